@@ -379,7 +379,7 @@ def fuzz(arguments: Sequence[str]) -> int:
     program, ended = choose("fuzz", "tests/fuzz", arguments)
     if program is None:
         return ended
-    install("dev")
+    install("dev", *(["choco"] if program.stem == "choco" else []))
     return call(PYTHON, "-m", f"tests.fuzz.{program.stem}", *arguments[1:])
 
 

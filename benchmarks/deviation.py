@@ -30,7 +30,7 @@ from typing import Any
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_value import MOST_TASKS
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.evaluation.trial import Trial, judge
+from tandem.dispatch.evaluation.trial import judge
 from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.lab.yu2020.board import desk
@@ -105,7 +105,8 @@ def rows_of(
         if beside is not None and people not in beside:
             continue
         scatter = people == SCATTERED
-        trial = Trial(
+        (document,) = judge(
+            cell,
             policies,
             ("compliant",) if scatter else (people,),
             episodes,
@@ -113,8 +114,8 @@ def rows_of(
             chance=SCATTER if scatter else Chance(),
             options=options,
             fewer=fewer(people, episodes, name == "thesis"),
+            tell=tell,
         )
-        (document,) = judge(cell, trial, tell)
         for row in document["policies"]:
             time_, stress, latency, apart = (
                 row["makespan"],

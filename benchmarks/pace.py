@@ -24,7 +24,7 @@ from random import Random
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.evaluation.trial import Trial, judge
+from tandem.dispatch.evaluation.trial import judge
 from tandem.dispatch.lookahead.bayes_adaptive import bayes_adaptive, belief_values
 from tandem.dispatch.lookahead.dynamic_programming import expected
 from tandem.files.generators import layered
@@ -59,14 +59,15 @@ def rows_of(
 ) -> Iterator[tuple[object, ...]]:
     """One row per pace and policy."""
     paces = tuple(sorted({*prior, *TOLD, *BETWEEN}))
-    trial = Trial(
+    documents = judge(
+        cell,
         POLICIES,
         tuple(f"pace:{pace:g}" for pace in paces),
         2,
         0,
         options=Options(prior=prior, budget_ms=budget_ms),
     )
-    for pace, document in zip(paces, judge(cell, trial), strict=True):
+    for pace, document in zip(paces, documents, strict=True):
         for row in document["policies"]:
             loss = row["makespan"]["mean"] / document["optimum"] - 1
             latency = row["latency_ms"]

@@ -1,12 +1,16 @@
 """Public benchmark instances: Tandem beside a plain CP-SAT model and PyJobShop at equal seconds,
 next to the best values known.
 
-    python benchmarks/public_sets.py --data DIR [--sets fjsp_kacem ...] [--seconds 15]
-        [--peers tandem ...] [-o FILE.csv]
+    python benchmarks/public_sets.py --data DIR [--sets fjsp_kacem ...] [--limit-per-set 3]
+        [--seconds 15] [--peers tandem ...] [-o FILE.csv]
+    python benchmarks/public_sets.py --data DIR --show FILE.csv
 
 DIR holds a folder per set with its instances and a best_known.csv (instance, lower_bound,
-upper_bound). Prints a row per instance as it is done and a table per set at the end. Ends with 1
-when a makespan lies below the best lower bound known, which would be an error of ours.
+upper_bound). Without --sets it runs every set of flexible job shops and of human-robot cells that
+is there; with --limit-per-set N so many instances of each, evenly spread. With -o it goes on where
+an earlier run of the same limits stopped. Prints a row per instance as it is done, and at the end a
+table per set, who is ahead there, and what was run. Ends with 1 when a makespan lies below the best
+lower bound known, which would be an error of ours.
 """
 
 from __future__ import annotations
@@ -18,20 +22,14 @@ import sys
 from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
 
 sys.path.insert(0, str(Path(__file__).parent))
 from peers import PEERS, Run
 from tandem.files.load import load
 
-SETS = (
-    "fjsp_kacem",
-    "fjsp_fattahi",
-    "fjsp_brandimarte",
-    "fjsp_dag_mini",
-    "fjsp_dag_birgin",
-    "hrc_case_studies",
-    "hrc_battery_cells",
-)
+FAMILIES = ("fjsp_", "hrc_")
+"""Sets of cells, by the beginning of their names."""
 COLUMNS = (
     "set",
     "instance",
@@ -42,10 +40,35 @@ COLUMNS = (
     "bound",
     "proven",
     "wall_s",
+    "limit_s",
+    "workers",
+    "seed",
 )
 
 
-def instances(folder: Path) -> Iterator[tuple[str, float, float, Path]]:
+class Row(NamedTuple):
+    """What one solver had for one instance: a line of the table, seconds."""
+
+    set: str
+    instance: str
+    lower: float
+    upper: float
+    solver: str
+    makespan: float | None
+    bound: float | None
+    proven: bool
+    wall_s: float
+
+    @property
+    def gap(self) -> float | None:
+        """How far the makespan is above the best known, as a share of it; None without one."""
+        return None if self.makespan is None else (self.makespan - self.upper) / self.upper
+
+
+Instance = tuple[str, float, float, Path]
+
+
+def instances(folder: Path) -> Iterator[Instance]:
     """(name, lower bound known, upper bound known, file) of each instance of a set."""
     with open(folder / "best_known.csv", newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
@@ -57,10 +80,26 @@ def instances(folder: Path) -> Iterator[tuple[str, float, float, Path]]:
             if found:
                 yield (
                     row["instance"],
-                    float(row["lower_bound"]),
+                    float(row["lower_bound"] or 0),
                     float(row["upper_bound"]),
                     found[0],
                 )
+
+
+def sets(data: Path) -> list[str]:
+    """The names of all sets of cells in the folder."""
+    return sorted(
+        path.parent.name
+        for path in data.glob("*/best_known.csv")
+        if path.parent.name.startswith(FAMILIES)
+    )
+
+
+def spread(rows: list[Instance], most: int | None) -> list[Instance]:
+    """So many of them, the first and then at even distances."""
+    if most is None or most >= len(rows):
+        return rows
+    return [rows[index * len(rows) // most] for index in range(most)]
 
 
 def main() -> int:
@@ -68,96 +107,169 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--sets", nargs="+", default=list(SETS))
+    parser.add_argument("--sets", nargs="+")
+    parser.add_argument("--limit-per-set", type=int, metavar="N")
     parser.add_argument("--seconds", type=float, default=15.0)
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--peers", nargs="+", default=list(PEERS), choices=list(PEERS))
     parser.add_argument("-o", "--output", type=Path)
+    parser.add_argument("--show", type=Path, metavar="FILE.csv", help="print its tables, run none")
     options = parser.parse_args()
+    there = sets(options.data)
+    if unknown := set(options.sets or ()) - set(there):
+        parser.error(
+            f"--sets {' '.join(sorted(unknown))}: not in {options.data}; there are"
+            f" {', '.join(there) or 'none'}"
+        )
+    if options.show:
+        rows = read(options.show)
+        _summary(rows, there, options.data)
+        return _contradictions(rows)
+    limits = (options.seconds, options.workers, options.seed)
+    try:
+        rows = read(options.output, limits) if options.output and options.output.exists() else []
+    except ValueError as error:
+        parser.error(f"-o {options.output}: {error}")
     print(
         f"{options.seconds:g} s, {options.workers} workers, seed {options.seed}, ortools"
-        f" {version('ortools')}, pyjobshop {version('pyjobshop')}",
+        f" {version('ortools')}, pyjobshop {version('pyjobshop')}; {len(rows)} rows from before",
         flush=True,
     )
-    rows = []
-    for name in options.sets:
-        for instance, lower, upper, path in instances(options.data / name):
-            cell = load(path)
-            for peer in options.peers:
-                run = PEERS[peer](cell, options.seconds, options.workers, options.seed)
-                rows.append(
-                    (
-                        name,
-                        instance,
-                        lower,
-                        upper,
-                        peer,
-                        run.makespan,
-                        run.bound,
-                        run.proven,
-                        round(run.wall_s, 2),
-                    )
-                )
-                print(_line(rows[-1]), flush=True)
-                if options.output:
-                    _write(options.output, rows)
-    _summary(rows, options.peers)
+    try:
+        _run(options, options.sets or there, limits, rows)
+    except KeyboardInterrupt:
+        print("stopped; the next call with the same -o goes on.", file=sys.stderr)
+        return 130
+    _summary(rows, there, options.data)
     return _contradictions(rows)
 
 
-def _line(row: tuple) -> str:
-    name, instance, lower, upper, peer, makespan, bound, proven, wall = row
-    gap = (
-        "nothing"
-        if makespan is None
-        else f"{makespan:>9g}  {100 * (makespan - upper) / upper:+6.2f} %"
-    )
-    known = f"{name:<18}{instance:<26}{lower:>7g}{upper:>7g}"
+def _run(
+    options: argparse.Namespace, names: list[str], limits: tuple[float, int, int], rows: list[Row]
+) -> None:
+    """Adds what is missing to the rows."""
+    done = {(row.set, row.instance, row.solver) for row in rows}
+    for name in names:
+        for instance, lower, upper, path in spread(
+            list(instances(options.data / name)), options.limit_per_set
+        ):
+            wanted = [peer for peer in options.peers if (name, instance, peer) not in done]
+            cell = load(path) if wanted else None
+            for peer in wanted:
+                run = PEERS[peer](cell, *limits)
+                found = run.makespan, run.bound, run.proven, round(run.wall_s, 2)
+                rows.append(Row(name, instance, lower, upper, peer, *found))
+                print(_line(rows[-1]), flush=True)
+                if options.output:
+                    _write(options.output, rows, limits)
+
+
+def read(path: Path, limits: tuple[float, int, int] | None = None) -> list[Row]:
+    """The rows of a table. Raises ValueError when it was made under other limits than these."""
+    with open(path, newline="", encoding="utf-8") as file:
+        lines = list(csv.DictReader(file))
+    for line in lines:
+        made = tuple(line.get(key) for key in ("limit_s", "workers", "seed"))
+        if limits is not None and made != tuple(f"{value:g}" for value in limits):
+            raise ValueError(
+                f"it was made with {made[0]} s, {made[1]} workers, seed {made[2]}, and this is"
+                f" {limits[0]:g} s, {limits[1]} workers, seed {limits[2]}; name another file"
+            )
+    return [
+        Row(
+            line["set"],
+            line["instance"],
+            float(line["lower_known"]),
+            float(line["upper_known"]),
+            line["solver"],
+            float(line["makespan"]) if line["makespan"] else None,
+            float(line["bound"]) if line["bound"] else None,
+            line["proven"] == "True",
+            float(line["wall_s"]),
+        )
+        for line in lines
+    ]
+
+
+def _line(row: Row) -> str:
+    gap = "nothing" if row.gap is None else f"{row.makespan:>9g}  {100 * row.gap:+6.2f} %"
+    known = f"{row.set:<18}{row.instance:<26}{row.lower:>7g}{row.upper:>7g}"
     return (
-        f"{known}  {peer:<10}{gap}  bound {bound or 0:>8g}  {'proven' if proven else '':<6}"
-        f" {wall:6.2f} s"
+        f"{known}  {row.solver:<10}{gap}  bound {row.bound or 0:>8g} "
+        f" {'proven' if row.proven else '':<6} {row.wall_s:6.2f} s"
     )
 
 
-def _write(path: Path, rows: list[tuple]) -> None:
-    with open(path, "w", newline="", encoding="utf-8") as file:
+def _write(path: Path, rows: list[Row], limits: tuple[float, int, int]) -> None:
+    part = path.with_suffix(".part")
+    with open(part, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(COLUMNS)
-        writer.writerows(rows)
+        writer.writerows((*row, *(f"{value:g}" for value in limits)) for row in rows)
+    part.replace(path)
 
 
-def _summary(rows: list[tuple], peers: list[str]) -> None:
+def _summary(rows: list[Row], there: list[str], data: Path) -> None:
     print(
         f"\n{'set':<18}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}"
         f"{'mean gap to best known':>25}{'worse':>7}{'better':>7}{'mean s':>8}"
     )
-    for name in dict.fromkeys(row[0] for row in rows):
+    peers = list(dict.fromkeys(row.solver for row in rows))
+    names = list(dict.fromkeys(row.set for row in rows))
+    for name in names:
         for peer in peers:
-            mine = [row for row in rows if row[0] == name and row[4] == peer]
-            have = [row for row in mine if row[5] is not None]
-            gap = sum((row[5] - row[3]) / row[3] for row in have) / max(len(have), 1)
-            worse, better = (
-                sum(row[5] > row[3] for row in have),
-                sum(row[5] < row[3] for row in have),
-            )
-            seconds = sum(row[8] for row in mine) / max(len(mine), 1)
+            mine = [row for row in rows if (row.set, row.solver) == (name, peer)]
+            gaps = [row.gap for row in mine if row.gap is not None]
+            seconds = sum(row.wall_s for row in mine) / max(len(mine), 1)
             print(
-                f"{name:<18}{peer:<11}{len(mine):>9}{len(have):>8}"
-                f"{sum(row[7] for row in mine):>8}{gap:>24.2%} {worse:>7}{better:>7}{seconds:>8.2f}"
+                f"{name:<18}{peer:<11}{len(mine):>9}{len(gaps):>8}"
+                f"{sum(row.proven for row in mine):>8}{sum(gaps) / max(len(gaps), 1):>24.2%} "
+                f"{sum(gap > 0 for gap in gaps):>7}{sum(gap < 0 for gap in gaps):>7}"
+                f"{seconds:>8.2f}"
             )
+        print(f"{name:<18}ahead: {ahead(rows, name)}")
+    run = {name: len({row.instance for row in rows if row.set == name}) for name in names}
+    print(
+        "\nrun:", ", ".join(f"{count} of {_size(data, name)} {name}" for name, count in run.items())
+    )
+    if left := [name for name in there if name not in run]:
+        print("not run:", ", ".join(left))
 
 
-def _contradictions(rows: list[tuple]) -> int:
+def ahead(rows: list[Row], name: str) -> str:
+    """Who is ahead on a set, by proofs and by the mean gap over the instances that all of them
+    solved.
+    """
+    mine = [row for row in rows if row.set == name]
+    peers = list(dict.fromkeys(row.solver for row in mine))
+    proven = {peer: sum(row.proven for row in mine if row.solver == peer) for peer in peers}
+    nothing = {row.instance for row in mine if row.gap is None}
+    gaps = {
+        peer: [row.gap or 0 for row in mine if row.solver == peer and row.instance not in nothing]
+        for peer in peers
+    }
+    mean = {peer: round(sum(own) / max(len(own), 1), 6) for peer, own in gaps.items()}
+    most = [peer for peer in peers if proven[peer] == max(proven.values())]
+    least = [peer for peer in peers if mean[peer] == min(mean.values())]
+    solved = f" ({len(nothing)} not solved by all)" if nothing else ""
+    return f"proofs {', '.join(most)}; mean gap {', '.join(least)}{solved}"
+
+
+def _size(data: Path, name: str) -> int:
+    return len(list(instances(data / name))) if (data / name).is_dir() else 0
+
+
+def _contradictions(rows: list[Row]) -> int:
     wrong = [
         row
         for row in rows
-        if (row[5] is not None and row[5] < row[2] - 1e-9)
-        or (row[6] is not None and row[6] > row[3] + 1e-9)
+        if (row.makespan is not None and row.makespan < row.lower - 1e-9)
+        or (row.bound is not None and row.bound > row.upper + 1e-9)
     ]
     for row in wrong:
         print(f"CONTRADICTION with the bounds known: {_line(row)}", file=sys.stderr)
-    return 1 if any(row[4] == "tandem" for row in wrong) else 0
+    return 1 if any(row.solver == "tandem" for row in wrong) else 0
 
 
 __all__ = ["Run", "instances"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import json
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -16,6 +17,7 @@ import click
 from tandem.cell.model import Cell
 from tandem.cell.parts import Operator, Task, Together, Tool, Wait, Zone
 from tandem.files.schema import schema
+from tandem.lab.published import published
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -209,7 +211,30 @@ def _prose(help_text: str) -> str:
     return "\n\n".join(paragraphs)
 
 
+def published_reference() -> str:
+    """What is published of each system beside what our version did, feature by feature; the latter
+    from `benchmarks/results/features.json`.
+    """
+    stored = json.loads(FEATURES.read_text("utf-8"))
+    rows = ["| feature | system | published | rebuilt here |", "|---|---|---|---|"]
+    systems = stored["features"]
+    for feature in next(iter(systems.values())):
+        for place, (system, entries) in enumerate(systems.items()):
+            claim = published(system, feature)
+            source = f" ({claim.source})" if claim.source else ""
+            named = f"**{feature}**" if place == 0 else ""
+            rows.append(
+                f"| {named} | `{system}` | {_cell(claim.value + source)}"
+                f" | {_cell(entries[feature]['value'])} |"
+            )
+    made = f"Right column: `{stored['command']}`, tandem {stored['tandem']}."
+    return "\n".join([*rows, "", made])
+
+
+FEATURES = Path(__file__).resolve().parents[1] / "benchmarks" / "results" / "features.json"
+
 REFERENCES = {
+    "published": published_reference,
     "cell": cell_reference,
     "format": format_reference,
     "method": method_reference,

@@ -29,8 +29,11 @@ os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
 
 pytest_plugins = ["tests.changed"]
 
-settings.register_profile("tandem", deadline=None)  # a busy machine is no fault of the code
-settings.load_profile("tandem")
+# No deadline: a busy machine is no fault of the code. The suite draws the same in every run, and
+# `dev.py fuzz properties` draws anew.
+settings.register_profile("tandem", deadline=None, derandomize=True)
+settings.register_profile("anew", deadline=None, print_blob=True)
+settings.load_profile(os.environ.get("TANDEM_DRAWS", "tandem"))
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -50,7 +50,7 @@ def put(file: Path, table: str, line: str) -> None:
     if table == "import":
         text, count = re.subn(r"^(?=from tandem\.)", line, text, count=1, flags=re.MULTILINE)
     else:
-        opening = rf"(?<=^){table}\b[^\n]*= \{{\n"
+        opening = rf'(?<=^){table}\b[^\n]*= (Table\(\n    "\w+",\n    )?\{{\n'
         text, count = re.subn(
             opening, lambda found: f"{found[0]}    {line}", text, count=1, flags=re.MULTILINE
         )

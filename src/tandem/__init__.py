@@ -17,6 +17,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.cell.parts import Operator, Task, Together, Tool, Zone
+    from tandem.dispatch.evaluation.trial import judge
     from tandem.errors import (
         CellError,
         Fault,
@@ -60,6 +61,7 @@ __all__ = [
     "UsageError",
     "Zone",
     "faults",
+    "judge",
     "load",
     "plan",
     "plan_cycle",
@@ -70,6 +72,7 @@ _HOME = {
     "tandem.files.load": ("load",),
     "tandem.cell.model": ("Cell",),
     "tandem.cell.parts": ("Operator", "Task", "Together", "Tool", "Zone"),
+    "tandem.dispatch.evaluation.trial": ("judge",),
     "tandem.errors": (
         "CellError",
         "Fault",
@@ -91,9 +94,9 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    # a room and a verb: tandem.plan(cell) plans, tandem.plan.methods is a module
-    if name == "plan":
-        return importlib.import_module("tandem.plan")
+    # a room and a verb: tandem.plan(cell) plans, tandem.plan.methods is a module; and a room alone
+    if name in ("plan", "ergonomics"):
+        return importlib.import_module(f"tandem.{name}")
     for home, names in _HOME.items():
         if name in names:
             return getattr(importlib.import_module(home), name)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,12 @@ class NotReadWarning(UserWarning):
     """
 
 
+class NotWrittenWarning(UserWarning):
+    """A cell holds something that the form it is written in does not, and on which no schedule
+    depends, such as stress or names.
+    """
+
+
 class TandemError(Exception):
     """Anything that Tandem refuses; `exit_code` is what the command line ends with."""
 
@@ -62,13 +69,41 @@ class CellError(TandemError):
 
 
 class InfeasibleError(TandemError):
-    """No schedule can satisfy the cell and its limits, and that is proven."""
+    """No schedule can satisfy the cell and its limits, and that is proven.
+
+    Attributes:
+      reasons: sentences that say what stands in the way.
+      conflict: the same as plain data, the `infeasible` of a document; None where nothing could be
+        left out to mend it.
+    """
 
     exit_code = 4
 
-    def __init__(self, message: str, reasons: Sequence[str] = ()):
-        self.reasons = tuple(reasons)
+    def __init__(
+        self,
+        message: str,
+        reasons: Sequence[str] = (),
+        conflict: Mapping[str, Any] | None = None,
+    ):
+        self.what, self.reasons, self.conflict = message, tuple(reasons), conflict
         super().__init__("\n".join([message, *(f"- {reason}" for reason in self.reasons)]))
+
+    def __reduce__(self) -> tuple[type[InfeasibleError], tuple[Any, ...]]:
+        return type(self), (self.what, self.reasons, self.conflict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that stands in place of a result's: what is said, and what cannot be kept
+        together.
+        """
+        together: dict[str, Any] = {"together": [], "minimal": None, "least": [], "without": []}
+        return {
+            "schema_version": 1,
+            "infeasible": {
+                "message": self.what,
+                "reasons": list(self.reasons),
+                **(together if self.conflict is None else self.conflict),
+            },
+        }
 
 
 class NothingFoundError(TandemError):

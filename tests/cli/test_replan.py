@@ -77,6 +77,22 @@ def test_any_number_of_workers_and_any_seed_give_the_same_plan(folder: Path) -> 
     assert len(digests) == 1
 
 
+def test_a_limit_on_work_repeats_to_the_letter_and_says_so(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.yaml"
+    made = ("generate", "layered", "--tasks", 24, "--humans", 2, "--robots", 1, "--seed", 3)
+    assert tandem(*made, "-o", cell, cwd=tmp_path).returncode == 0
+    plan = ("plan", "cell.yaml", "--minimize", "makespan", "--work", 1, "-q", "-o", "plan.json")
+    assert tandem(*plan, cwd=tmp_path).returncode == 0
+    change = ("--set", "tasks.5.time.robot_1=40", "--set", "tasks.7.time.human_1=30")
+    first, second = (
+        replanned(tmp_path, "cell.yaml", *change, "--work", 0.003, "--workers", workers)
+        for workers in (1, 2)
+    )
+    del first["wall_s"], second["wall_s"]
+    assert first == second
+    assert (first["ended_by"], first["complete"]) == ("work", False)
+
+
 def test_what_has_started_is_done_or_kept_does_not_move(folder: Path) -> None:
     document = replanned(
         folder, "slower.yaml", "--point", 2, "--at", 5, "--done", 2, "--keep", "5", "--allow", 50
@@ -100,6 +116,23 @@ def test_people_read_what_changes_and_that_the_plan_was_made_for_another_cell(fo
     assert "the rest (2) stays." in done.stdout
     assert "task 4: start: robot, start 16 s -> 21 s (+5 s)" in done.stdout
     assert "plan.json: made for another state of the cell; it is carried over." in done.stderr
+
+
+def test_people_read_it_in_their_language(folder: Path) -> None:
+    asked = ("slower.yaml", "--from", "plan.json", "--point", 2, "--tolerance", 1, "-q")
+    said = tandem("replan", *asked, "--keep", 5, "--allow", 50, "--lang", "de", cwd=folder)
+    assert said.returncode == 0
+    assert "Alter Plan" in said.stdout
+    assert "Belastung von höchstens 3. Erlaubt, 50 % darüber, ist ein Plan mit" in said.stdout
+    assert "Nicht bewegt: festgehalten 5" in said.stdout
+    assert "Vorgang 4: " in said.stdout
+    assert " verschoben, der Rest (" in said.stdout
+    assert "für einen anderen Stand der Zelle gemacht" in said.stderr
+    front = tandem("replan", *asked, "--front", "--lang", "de", cwd=folder)
+    assert "geändert" in front.stdout
+    assert "vollständig und bewiesen" in front.stdout
+    for english in ("changed", "stress", "makespan", "proven", "kept", "start"):
+        assert english not in said.stdout + front.stdout
 
 
 def test_new_tasks_and_gone_ones_are_said(folder: Path) -> None:
@@ -156,6 +189,8 @@ def test_every_output_of_a_plan_can_be_written(folder: Path) -> None:
         (["--point", "2", "--at", "5", "--done", "4"], 2, ["begins at 16 s", "--done 1,2,4"]),
         (["--allow", "-1", "--tolerance", "nan"], 2, ["allow -1", "tolerance not a number"]),
         (["--time-limit", "0"], 2, ["--time-limit 0"]),
+        (["--work", "1", "--time-limit", "9"], 2, ["--work and --time-limit exclude each other"]),
+        (["--work", "-1"], 2, ["work -1", "more than 0"]),
         (
             ["--point", "2", "--at", "5", "--set", "tasks.7.deadline=25"],
             4,

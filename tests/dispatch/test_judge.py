@@ -14,7 +14,7 @@ from tests.dispatch.stations import THESIS
 from tandem.cell.model import Cell
 from tandem.cli.root import run
 from tandem.dispatch.deciders.table import POLICIES, policy
-from tandem.dispatch.evaluation.trial import Trial, judge, split_people
+from tandem.dispatch.evaluation.trial import judge, split_people
 from tandem.draw.judged import judged_figure, plot_regret
 from tandem.errors import UsageError
 from tandem.files.generators import layered
@@ -31,9 +31,10 @@ Capture = pytest.CaptureFixture[str]
 def documents() -> list[dict[str, Any]]:
     return judge(
         THESIS,
-        Trial(
-            ("expected", "fixed", "minimax"), ("random:0.1", "random:0.5", "learning:0.2"), 400, 3
-        ),
+        ("expected", "fixed", "minimax"),
+        ("random:0.1", "random:0.5", "learning:0.2"),
+        400,
+        3,
     )
 
 
@@ -89,7 +90,7 @@ def test_pairs_say_more_than_means(documents: list[dict[str, Any]]) -> None:
 
 def test_the_same_seed_gives_the_same_document() -> None:
     def timeless(seed: int) -> str:
-        found = judge(THESIS, Trial(("fixed", "spt"), ("random:0.5",), 12, seed))
+        found = judge(THESIS, ("fixed", "spt"), ("random:0.5",), 12, seed)
         for one in found[0]["policies"]:
             del one["latency_ms"]
         return json.dumps({**found[0], "seed": 0})
@@ -98,15 +99,13 @@ def test_the_same_seed_gives_the_same_document() -> None:
 
 
 def test_who_gets_fewer_episodes_is_compared_over_these() -> None:
-    (document,) = judge(
-        THESIS, Trial(("fixed", "spt"), ("random:0.5",), 400, 0, fewer={"spt": 400 // 4})
-    )
+    (document,) = judge(THESIS, ("fixed", "spt"), ("random:0.5",), 400, 0, fewer={"spt": 400 // 4})
     assert (row(document, "fixed")["episodes"], row(document, "spt")["episodes"]) == (400, 100)
 
 
 def test_scattered_times_have_no_exact_optimum() -> None:
     (document,) = judge(
-        THESIS, Trial(("fixed",), ("compliant",), 12, 0, chance=Chance(spread="lognormal", cv=0.3))
+        THESIS, ("fixed",), ("compliant",), 12, 0, chance=Chance(spread="lognormal", cv=0.3)
     )
     assert document["optimum"] is None
     assert row(document, "fixed")["makespan"]["p5"] < row(document, "fixed")["makespan"]["p95"]
@@ -140,7 +139,7 @@ def test_commas_within_a_description_stay_in_it(
 )
 def test_a_wrong_trial_says_what_is_wrong(change: dict[str, Any], message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        Trial(**{"policies": ("fixed",), **change})
+        judge(THESIS, **{"policies": ("fixed",), **change})
 
 
 def test_pictures_are_drawn_of_one_and_of_several(documents: list[dict[str, Any]]) -> None:
@@ -282,7 +281,7 @@ def test_who_has_no_plan_that_keeps_the_deadlines_is_left_out() -> None:
     """Each task alone could keep its deadline, both cannot."""
     tasks = {name: {"time": {"human": 5}, "deadline": 6} for name in ("one", "other")}
     cell = with_changeovers(tasks=tasks, tools={})
-    (document,) = judge(cell, Trial(("fixed", "spt"), ("compliant",), 2, 0))
+    (document,) = judge(cell, ("fixed", "spt"), ("compliant",), 2, 0)
     assert [(one["policy"], "no schedule" in one["reason"]) for one in document["left_out"]] == [
         ("fixed", True)
     ]
@@ -303,7 +302,7 @@ def test_where_nobody_is_left_all_reasons_are_said_and_the_code_is_the_first_s(
 def test_the_document_says_what_plan_was_carried_out(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    (document,) = judge(THESIS, Trial(("fixed", "spt"), ("compliant",), 2, 0))
+    (document,) = judge(THESIS, ("fixed", "spt"), ("compliant",), 2, 0)
     assert row(document, "fixed")["plan"] == {
         "digest": policy("fixed", THESIS).chosen.schedule.digest,  # type: ignore[attr-defined]
         "makespan": 23,

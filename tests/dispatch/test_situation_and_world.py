@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.plan.brute_force import front_of_all
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
@@ -42,6 +43,29 @@ def test_both_agree_on_what_may_begin_wherever_a_shift_comes(
         elif not ways:
             break
     assert bool(world.is_done(state)) == situation.is_over
+
+
+def test_a_part_is_not_taken_up_where_another_must_come_before_it_is_out() -> None:
+    """Each of the two parts must be out before the other comes in: nobody begins with either."""
+    tasks = {"1": (), "2": (), "3": ("1", "2"), "4": ("3",), "5": ("1", "3")}
+    cell = Cell.model_validate(
+        {
+            "name": "two parts",
+            "operators": {
+                "robot": {"kind": "robot"},
+                "press": {"kind": "machine", "holds": [("1", "4"), ("3", "5")]},
+            },
+            "tasks": {
+                name: {"time": {"robot": 1}, "after": after} for name, after in tasks.items()
+            },
+        }
+    )
+    names = Names.of(cell)
+    arrays = names.arrays()
+    mask = world.legal(arrays, world.reset(arrays))
+    assert [names.ways[way][0] for way in np.flatnonzero(mask)] == ["2"]
+    assert legal(Situation.of(cell)) == [("2", ("robot",))]
+    assert front_of_all(cell.to_dict()) == []
 
 
 def _begin(

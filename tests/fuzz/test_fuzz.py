@@ -5,6 +5,8 @@ found.
 from __future__ import annotations
 
 import json
+import os
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -163,3 +165,42 @@ def test_the_verb_lists_the_programs_and_refuses_others():
     )
     assert unknown.returncode == 2
     assert "nothing is called 'jugdes'; there are cycles, judges" in unknown.stderr
+
+
+PROPERTY = """
+from hypothesis import given, settings, strategies as st
+drawn = []
+
+@settings(max_examples=20)
+@given(st.integers(0, 10**9))
+def test_it(number):
+    drawn.append(number)
+
+def teardown_module():
+    with open("drawn.txt", "a") as file:
+        print(*drawn, file=file)
+
+@given(st.integers())
+def test_that_is_wrong(number):
+    assert number < 1000
+
+def test_that_draws_nothing():
+    raise RuntimeError("is not asked")
+"""
+
+
+def test_properties_are_drawn_anew_and_what_refutes_one_is_kept(tmp_path):
+    (tmp_path / "test_drawn.py").write_text(PROPERTY, encoding="utf-8")
+    shutil.copy(Path(__file__).parents[1] / "conftest.py", tmp_path)
+    command = [sys.executable, "-m", "tests.fuzz.properties", "--rounds", "1", "test_drawn.py"]
+    path = {"PYTHONPATH": str(Path(__file__).parents[2])}
+    for _ in range(2):
+        ended = subprocess.run(
+            command, cwd=tmp_path, env=os.environ | path, capture_output=True, text=True
+        )
+        assert ended.returncode == 1, ended.stdout + ended.stderr
+        assert "1 failed, 1 passed" in ended.stdout
+        assert "reproduce_failure" in ended.stdout
+    first, second = (tmp_path / "drawn.txt").read_text(encoding="utf-8").splitlines()
+    assert first != second
+    assert (tmp_path / ".hypothesis" / "examples").is_dir()

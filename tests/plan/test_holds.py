@@ -14,7 +14,7 @@ from tests.plan.test_judges import two_parts
 from tandem.cell.model import Cell
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.files.validate import cell_of
-from tandem.plan.infeasible import reasons
+from tandem.plan.infeasible import conflict
 from tandem.plan.instance import Instance, bits
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.methods import METHODS, plan
@@ -201,7 +201,9 @@ def test_holds_that_cannot_be_are_infeasible_in_words(method: str) -> None:
     with pytest.raises(InfeasibleError):
         METHODS[method](deadlocked(), Question("makespan"))
     assert front_in_order(deadlocked().to_dict()) == []
-    said = reasons(deadlocked(), Question())
+    found = conflict(deadlocked(), Question())
+    assert found is not None
+    said = found.sentences()
     assert said[0] == (
         "that press holds a part from task in 1 to task out 1 and that press holds a part from task"
         " in 2 to task out 2 cannot be kept together."

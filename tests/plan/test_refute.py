@@ -28,7 +28,7 @@ def test_the_desk_takes_94_and_that_is_proven_in_seconds():
     proof = prove_makespan(instance, int(start), 60)
     assert (proof.bound, proof.upper) == (94, 94)
     assert start == 94 or faults(cell, instance.schedule(proof.starts)) == []
-    assert proof.wall_s < 20  # two seconds on a machine that has nothing else to do
+    assert proof.nodes < 12_000  # partial schedules, which take two seconds
 
 
 @pytest.mark.parametrize("seed", range(0, 20, 4))

@@ -1,5 +1,5 @@
-"""`tandem generate`, `tandem convert`, `tandem schema`: cells to try things on, in and out of
-files.
+"""`tandem generate`, `tandem convert`, `tandem formats`, `tandem schema`: cells to try things on,
+in and out of files.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tandem.cli.options import FORMAT
+from tandem.cli.options import AS_JSON, FORMAT
 from tandem.errors import UsageError
+from tandem.files.formats.table import WRITERS
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
@@ -30,14 +31,37 @@ PICTURE = click.option(
 )
 
 
-@click.group("generate")
+class Kinds(click.Group):
+    """The commands of `generate`, and the name of any benchmark instance as one more."""
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        return super().get_command(ctx, cmd_name) or _instance_command(cmd_name)
+
+
+def _instance_command(name: str) -> click.Command:
+    @click.command(name, help=f"The benchmark instance {name} as a cell.")
+    @OUTPUT
+    def command(output: Path | None) -> None:
+        from tandem.files.instances.named import instance
+
+        _put(instance(name), output)
+
+    return command
+
+
+@click.group("generate", cls=Kinds, subcommand_metavar="KIND|NAME [OPTIONS]")
 def generate() -> None:
-    """Make a cell: random layers, Yu's chessboards, or Yu's desk.
+    """Make a cell: random layers, Yu's chessboards, Yu's desk, or a benchmark instance by its name.
+
+    With Tandem come the job shops ft06, ft10, ft20 (Fisher and Thompson 1963) and ta01 to ta80
+    (Taillard 1993). All others are looked for in the folder that the environment variable
+    TANDEM_BENCHMARKS names: NAME, or SET/NAME where several sets have one of that name.
 
     \b
     Examples:
       tandem generate layered --tasks 50 --humans 2 --seed 7 -o cell.yaml
       tandem generate desk | tandem plan -
+      tandem generate ft06 | tandem plan - --minimize makespan
     """
 
 
@@ -153,18 +177,59 @@ def desk_command(output: Path | None, picture: Path | None) -> None:
 @click.command("convert")
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
 @FORMAT
-@OUTPUT
-def convert_command(cell_file: str, form: str | None, output: Path | None) -> None:
-    """Turn a file of a public format into a cell file.
+@click.option(
+    "--to",
+    metavar="NAME",
+    help=(
+        "What to write; told from the ending of -o when absent (.yaml, .json, .fjs, .jsp), else"
+        f" yaml: {', '.join(WRITERS)}."
+    ),
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File to write; stdout when absent.",
+)
+def convert_command(cell_file: str, form: str | None, to: str | None, output: Path | None) -> None:
+    """Turn a file of a public format into a cell file, or a cell into a public format.
+
+    What decides which schedules there are is never lost: a cell that the other format cannot hold
+    is refused, with every reason. What it leaves out though no schedule depends on it (stress,
+    names) is said on stderr.
 
     \b
     Examples:
       tandem convert k1.fjs -o k1.yaml
       tandem convert instance.alb --format alb
+      tandem convert cell.yaml -o cell.fjs
+      tandem convert cell.yaml --to pyjobshop -o cell.json
     """
     from tandem.files.load import load
 
-    _put(load(cell_file, form), output)
+    _put(load(cell_file, form), output, to)
+
+
+@click.command("formats")
+@click.argument(
+    "folder", required=False, type=click.Path(exists=True, file_okay=False, path_type=Path)
+)
+@AS_JSON
+def formats_command(folder: Path | None, as_json: bool) -> None:
+    """List the formats that are read and written; or read all files of a folder of benchmark sets,
+    and say of each set how many are cells, and why the others are not.
+
+    \b
+    Examples:
+      tandem formats
+      tandem formats ../benchmarks
+    """
+    from tandem.cli.formats import survey, tell_formats
+
+    if folder is None:
+        tell_formats(as_json)
+    else:
+        survey(folder, as_json)
 
 
 @click.command("schema")
@@ -190,13 +255,13 @@ def schema_command(what: str) -> None:
         click.echo(live_schema_text(what), nl=False)
 
 
-def _put(cell: Cell, output: Path | None) -> None:
+def _put(cell: Cell, output: Path | None, form: str | None = None) -> None:
     from tandem.files.load import dump, dumps
 
     if output is None:
-        click.echo(dumps(cell), nl=False)
+        click.echo(dumps(cell, form or "yaml"), nl=False)
         return
-    dump(cell, output)
+    dump(cell, output, form)
     click.echo(
         f"wrote {output}: {len(cell.tasks)} tasks, {len(cell.operators)} operators.", err=True
     )

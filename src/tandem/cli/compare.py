@@ -97,7 +97,7 @@ def _compare_cells(
     before, after = load(before_file), load(after_file)
     found = compare_cells(before, after)
     fronts = (
-        [plan(cell, time_limit=time_limit, seed=seed) for cell in (before, after)]
+        [plan(cell, time_limit=time_limit, seed=seed, confirm=False) for cell in (before, after)]
         if planned and found
         else []
     )

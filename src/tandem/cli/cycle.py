@@ -32,6 +32,7 @@ NOT_OF_A_CYCLE = {
     "robust": "--robust",
     "risk": "--risk",
     "plan_file": "--from",
+    "explain_bound": "--explain-bound",
 }
 """Options that ask about one product alone: the name of the argument, and what is typed."""
 

@@ -50,7 +50,10 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
 @click.argument("cell_file", metavar="CELL", type=click.Path())
 @FORMAT
 @click.option(
-    "--policy", default="auto", show_default=True, help="Who decides; `tandem policies` lists them."
+    "--policy",
+    default="auto",
+    show_default=True,
+    help="Who decides; `tandem policies` lists them, one of your own is package.module:maker.",
 )
 @click.option(
     "--journal",
@@ -158,7 +161,7 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
         if path is None:
             raise UsageError("--replay: name the journal with --journal FILE.")
         with Journal(path, read_only=True) as journal:
-            return _replay(cell, journal, bool(given["as_json"]))
+            return _replay(cell, journal, given["policy"], bool(given["as_json"]))
     show = (
         _json_line
         if given["as_json"] or (given["as_json"] is None and not _is_terminal())
@@ -276,11 +279,12 @@ def _kept(
     """The settings in the journal, None in a new one. What is stated must be what the shift was
     begun with.
     """
-    from tandem.dispatch.shift.live import kept_settings
+    from tandem.dispatch.shift.live import kept_settings, named_again
 
     if journal.is_new:
         return None
     kept = kept_settings(journal)
+    named_again(journal, kept, given["policy"])
     there = {
         "policy": kept.policy,
         "budget": kept.options.budget_ms,
@@ -432,10 +436,10 @@ def _terminated_cleanly() -> Iterator[list[int]]:
         signal.signal(signal.SIGTERM, before)
 
 
-def _replay(cell: Cell, journal: Journal, as_json: bool) -> int:
+def _replay(cell: Cell, journal: Journal, policy: str, as_json: bool) -> int:
     from tandem.dispatch.shift.replay import replay
 
-    found = replay(cell, journal)
+    found = replay(cell, journal, policy=policy)
     if as_json:
         click.echo(json.dumps({"type": "replay", **vars(found)}, ensure_ascii=False))
     else:

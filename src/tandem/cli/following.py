@@ -97,9 +97,9 @@ def stored(path: Path, cell: Cell, given: dict[str, Any]) -> tuple[Front, int]:
 def _is_heeded(policies: Sequence[str]) -> None:
     from tandem.dispatch.deciders.table import POLICIES
 
-    heeding = [name for name, entry in POLICIES.items() if entry.follows]
+    heeding = [name for name, entry in POLICIES.sound().items() if entry.follows]
     known = [name for name in policies if name in POLICIES]
-    if known and not set(known) & set(heeding):
+    if known and not any(POLICIES[name].follows for name in known):
         raise UsageError(
             f"--plan: {', '.join(known)} would not heed it; {', '.join(heeding)} do. Name one of"
             " them with --policy."
@@ -121,7 +121,7 @@ def _recommended(cell: Cell, seed: int) -> tuple[Front, int] | None:
     from tandem.plan.methods import plan
 
     try:
-        front = plan(cell, time_limit=FRONT_S, seed=seed)
+        front = plan(cell, time_limit=FRONT_S, seed=seed, confirm=False)
     except (InfeasibleError, NothingFoundError) as error:
         why = str(error).splitlines()[0].rstrip(".")
         click.echo(

@@ -32,7 +32,7 @@ class _Train(click.Command):
         from tandem.learn.training.recipes import RECIPES
 
         with formatter.section("Recipes"):
-            formatter.write_dl([(name, recipe.what) for name, recipe in RECIPES.items()])
+            formatter.write_dl(list(RECIPES.told(lambda recipe: recipe.what).items()))
         super().format_options(ctx, formatter)
 
 
@@ -44,7 +44,7 @@ class _Train(click.Command):
     "recipe_name",
     default="tandem",
     show_default=True,
-    help="How to train: a name of the list above.",
+    help="How to train: a name of the list above, or one of your own, package.module:recipe.",
 )
 @click.option(
     "--set",
@@ -380,7 +380,12 @@ def _show_players(found: Any) -> None:
                 f"{stress} ± {line.stress_ci95:.2g}",
             )
         table.add_row(
-            line.player, time, stress, f"{line.illegal:g}", f"{line.done:.0%}", _share(line.gap)
+            line.player,
+            time,
+            stress,
+            f"{line.illegal:g}",
+            f"{line.done:.0%}",
+            _share(line.gap) + _beaten(line.beaten_by),
         )
     console = Console(highlight=False)
     console.print(table)
@@ -407,6 +412,13 @@ def _figures(played: dict[str, Any]) -> tuple[str, str]:
         if played["makespan"] is None
         else (f"{played['makespan']:g} s", f"{played['stress']:g}")
     )
+
+
+def _beaten(point: tuple[float, float] | None) -> str:
+    """What is said of a result that a point of the exact front beats in one number and matches in
+    the other.
+    """
+    return "" if point is None else f", beaten by {point[0]:g} s / {point[1]:g}"
 
 
 def _share(value: float | None) -> str:

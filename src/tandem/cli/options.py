@@ -162,6 +162,29 @@ _OF_DECIDERS = (
 )
 
 
+WORK = click.option(
+    "--work",
+    type=float,
+    help=(
+        "A limit on the work of the search instead of its time, in CP-SAT's deterministic seconds"
+        " (on one core each takes a few seconds). No clock is asked, so the run repeats exactly"
+        " for a seed, proven or not."
+    ),
+)
+
+
+def is_given(option: str) -> bool:
+    """Whether the option was typed, and is not there by its default alone."""
+    source = click.get_current_context().get_parameter_source(option)
+    return source == click.core.ParameterSource.COMMANDLINE
+
+
+def check_work(work: float | None) -> None:
+    """Raises UsageError where work and time are both limited."""
+    if work is not None and is_given("time_limit"):
+        raise UsageError("--work and --time-limit exclude each other: give one of them.")
+
+
 def check_time(time_limit: float, workers: int | None) -> None:
     """Raises UsageError for a time limit or a number of workers that makes no sense."""
     if not time_limit > 0:

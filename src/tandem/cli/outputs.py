@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import datetime
+import functools
 import json
 import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.errors import InfeasibleError, UsageError
+
 if TYPE_CHECKING:
+    from tandem.explain.bounds import ProofChain
     from tandem.plan.cycle.result import CycleFront
     from tandem.plan.result import Front
 
@@ -69,6 +73,23 @@ def tell_written(files: Iterable[Path], lang: str) -> None:
         click.echo(words(lang)("terminal.wrote", path=path), err=True)
 
 
+def says_infeasible(command: Callable[..., int | None]) -> Callable[..., int | None]:
+    """The command, which with --json also prints what cannot be kept together when that is the
+    answer: one document on stdout, the same in words on stderr, exit code 4.
+    """
+
+    @functools.wraps(command)
+    def told(*arguments: Any, as_json: bool, **options: Any) -> int | None:
+        try:
+            return command(*arguments, as_json=as_json, **options)
+        except InfeasibleError as error:
+            if as_json:
+                click.echo(json.dumps(error.to_dict(), ensure_ascii=False))
+            raise
+
+    return told
+
+
 def show(
     front: Front | CycleFront,
     as_json: bool,
@@ -76,10 +97,15 @@ def show(
     *,
     point: int | None = None,
     stale: bool = False,
+    explain_bound: bool = False,
 ) -> None:
-    """The front on stdout: as the result document, or for people."""
+    """The front on stdout: as the result document, or for people; with who proved what where that
+    is asked for.
+    """
+    proofs = proofs_of(front) if explain_bound else None
     if as_json:
-        click.echo(json.dumps(front.to_dict(), ensure_ascii=False))
+        more = {} if proofs is None else {"bounds": proofs.to_dict(lang)}
+        click.echo(json.dumps({**front.to_dict(), **more}, ensure_ascii=False))
         return
     from rich.console import Console
 
@@ -93,3 +119,15 @@ def show(
         else FrontView(front, language=lang, point=point, stale=stale)
     )
     Console(file=sys.stdout, highlight=False).print(view)
+    if proofs is not None:
+        click.echo("\n".join(["", *proofs.sentences(lang)]))
+
+
+def proofs_of(front: Front | CycleFront) -> ProofChain:
+    """Who proved what of the front. Raises UsageError when it is one of cycles."""
+    from tandem.explain.bounds import ProofChain
+    from tandem.plan.cycle.result import CycleFront
+
+    if isinstance(front, CycleFront):
+        raise UsageError("--explain-bound is told of fronts of one product, without --cycle.")
+    return ProofChain.of(front)

@@ -14,9 +14,19 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cli.cycle import Outputs, Repeated, answer, cycle_options
-from tandem.cli.options import FORMAT, LANGUAGE, OUTPUTS, Weights
+from tandem.cli.options import (
+    FORMAT,
+    LANGUAGE,
+    OUTPUTS,
+    WORK,
+    Weights,
+    check_work,
+    is_given,
+)
 from tandem.cli.outputs import (
     kept_when_interrupted,
+    proofs_of,
+    says_infeasible,
     show,
     source_of,
     tell_written,
@@ -39,7 +49,10 @@ if TYPE_CHECKING:
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
 @FORMAT
 @click.option(
-    "--method", default="exact", show_default=True, help="How to plan; `tandem methods` lists them."
+    "--method",
+    default="exact",
+    show_default=True,
+    help="How to plan; `tandem methods` lists them, one of your own is package.module:method.",
 )
 @click.option(
     "--minimize",
@@ -66,15 +79,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Seconds; what is found by then is given with its bounds.",
 )
-@click.option(
-    "--work",
-    type=float,
-    help=(
-        "A limit on the work of the search instead of its time, in CP-SAT's deterministic seconds"
-        " (on one core each takes a few seconds). No clock is asked, so the run repeats exactly"
-        " for a seed, proven or not."
-    ),
-)
+@WORK
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 @click.option(
     "--workers",
@@ -121,6 +126,11 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Print the result document on stdout and nothing else there.",
 )
+@click.option(
+    "--explain-bound",
+    is_flag=True,
+    help="Say who proved each bound: sums, relaxations, CP-SAT, and what was confirmed without it.",
+)
 @OUTPUTS
 @click.option(
     "--point",
@@ -138,6 +148,7 @@ if TYPE_CHECKING:
 )
 @LANGUAGE
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+@says_infeasible
 def plan_command(
     cell_file: str,
     form: str | None,
@@ -162,6 +173,7 @@ def plan_command(
     risk: bool | None,
     plan_file: Path | None,
     as_json: bool,
+    explain_bound: bool,
     outputs: tuple[Path, ...],
     point: int | None,
     report: Path | None,
@@ -177,6 +189,7 @@ def plan_command(
     Examples:
       tandem plan cell.yaml
       tandem plan cell.yaml --minimize makespan --json > result.json
+      tandem plan cell.yaml --explain-bound
       tandem plan cell.yaml --cv 0.2 --robust
       tandem plan cell.yaml --cycle
       tandem plan cell.yaml --takt 30 --max-in-process 2 --report takt.html
@@ -206,14 +219,13 @@ def plan_command(
     from tandem.report.language import words
     from tandem.report.progress import SolveProgress
 
-    if work is not None and _is_given("time_limit"):
-        raise UsageError("--work and --time-limit exclude each other: give one of them.")
+    check_work(work)
     if minimize and weights:
         raise UsageError("--minimize and --weights exclude each other: give one of them.")
     files = [*outputs, *([report] if report else [])]
     repeated = Repeated(cycle, takt, max_in_process, batch, mix, one_allocation)
     if repeated:
-        repeated.check(minimize, _is_given)
+        repeated.check(minimize, is_given)
     elif minimize == "cycle_time":
         raise UsageError("--minimize cycle_time goes with --cycle.")
     else:
@@ -247,7 +259,7 @@ def plan_command(
     point = None if point is None else _existing(front, point, files, lang) + 1
     write_outputs(front, files, lang, point=point)
     if base is None or front.interrupted:
-        show(front, as_json, lang, point=point)
+        show(front, as_json, lang, point=point, explain_bound=explain_bound)
     else:
         _show_variant(
             base,
@@ -256,17 +268,12 @@ def plan_command(
             partial(solve, base, **effort),
             lang,
             point,
+            explain_bound,
         )
     tell_written(files, lang)
     if front.interrupted:
         click.echo(words(lang)("terminal.stopped"), err=True)
     return 130 if front.interrupted else 0
-
-
-def _is_given(option: str) -> bool:
-    """Whether the option was typed, and is not there by its default alone."""
-    source = click.get_current_context().get_parameter_source(option)
-    return source == click.core.ParameterSource.COMMANDLINE
 
 
 def _existing(front: Front, point: int, files: Sequence[Path], lang: str) -> int:
@@ -291,19 +298,17 @@ def _show_variant(
     plan_base: Callable[[], Front],
     lang: str,
     point: int | None,
+    explain_bound: bool,
 ) -> None:
     """The front of a variant, and how it differs from that of the cell as it is: under `difference`
     in the document, or in words.
     """
     if as_json:
-        click.echo(
-            json.dumps(
-                {**front.to_dict(), "difference": difference(base, front, plan_base, lang)},
-                ensure_ascii=False,
-            )
-        )
+        bounds = {"bounds": proofs_of(front).to_dict(lang)} if explain_bound else {}
+        more = {"difference": difference(base, front, plan_base, lang), **bounds}
+        click.echo(json.dumps({**front.to_dict(), **more}, ensure_ascii=False))
         return
-    show(front, as_json, lang, point=point)
+    show(front, as_json, lang, point=point, explain_bound=explain_bound)
     tell_difference(base, front, plan_base, lang)
 
 

@@ -6,14 +6,13 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from tandem.cell.written import number
 from tandem.cli.columns import aligned
 from tandem.cli.options import (
     AS_JSON,
@@ -21,16 +20,24 @@ from tandem.cli.options import (
     FORMAT,
     LANGUAGE,
     OUTPUTS,
+    WORK,
     check_time,
+    check_work,
     point_options,
 )
-from tandem.cli.outputs import kept_when_interrupted, source_of, tell_written, write_outputs
+from tandem.cli.outputs import (
+    kept_when_interrupted,
+    says_infeasible,
+    source_of,
+    tell_written,
+    write_outputs,
+)
 from tandem.cli.what_if import variant_options
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
-    from tandem.plan.replanned import Replan, Replanned
+    from tandem.plan.replanned import Replanned
     from tandem.plan.result import Result
     from tandem.report.stored import StoredPlan
 
@@ -90,13 +97,17 @@ if TYPE_CHECKING:
     show_default=True,
     help="Seconds for everything; what is found by then is given with its bounds.",
 )
+@WORK
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
-@click.option("--workers", type=int, help="Threads; one per core when absent.")
+@click.option(
+    "--workers", type=int, help="Threads; one per core when absent. With --work there is one."
+)
 @AS_JSON
 @OUTPUTS
 @variant_options
 @LANGUAGE
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+@says_infeasible
 def replan_command(
     cell_file: str,
     form: str | None,
@@ -111,6 +122,7 @@ def replan_command(
     tolerance: float,
     front: bool,
     time_limit: float,
+    work: float | None,
     seed: int,
     workers: int | None,
     as_json: bool,
@@ -143,9 +155,11 @@ def replan_command(
     from tandem.files.load import load
     from tandem.plan.least_change import replan
     from tandem.report.files import ready_to_write
+    from tandem.report.language import words
     from tandem.report.progress import SolveProgress
     from tandem.report.stored import point_of
 
+    check_work(work)
     check_time(time_limit, workers)
     files = list(outputs)
     ready_to_write(files)
@@ -170,6 +184,7 @@ def replan_command(
             tolerance=tolerance,
             front=front,
             time_limit=time_limit,
+            work=work,
             seed=seed,
             workers=workers,
             on_solution=progress,
@@ -178,13 +193,11 @@ def replan_command(
     files += kept_when_interrupted(found, files, cell_file)
     write_outputs(found, files, lang)
     if stored.made_for not in (None, cell.digest):
-        click.echo(
-            f"{plan_file}: made for another state of the cell; it is carried over.", err=True
-        )
+        click.echo(words(lang)("replan.carried_over", file=plan_file), err=True)
     if as_json:
         click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
     else:
-        _show(found, old, front)
+        _show(found, old, front, lang)
     tell_written(files, lang)
     if found.interrupted:
         click.echo("interrupted: this is the best found so far, with its bounds.", err=True)
@@ -225,91 +238,19 @@ def _names(given: Iterable[str], known: Collection[str]) -> list[str]:
 # --- showing --------------------------------------------------------------------------------------
 
 
-def _show(found: Replanned, old: Result, front: bool) -> None:
+def _show(found: Replanned, old: Result, front: bool, lang: str) -> None:
     from rich.console import Console
 
+    from tandem.report.language import words
+    from tandem.report.replanned import about, about_the_plan, rows_of_the_front
     from tandem.report.terminal import GanttText
 
-    click.echo("\n".join(_lines(found, old, front)))
-    if not front:
-        console = Console(file=sys.stdout, highlight=False)
-        console.print(GanttText(found.cell, found[0].schedule))
-
-
-def _lines(found: Replanned, old: Result, front: bool) -> Iterator[str]:
-    """What is said of the old plan, of the limits, and of what changes."""
-    yield (
-        f"Old plan {old.schedule.digest}: makespan {number(old.makespan)} s, stress"
-        f" {number(old.stress)}."
-    )
-    yield _about_the_optimum(found)
-    if found.kept:
-        whys = dict.fromkeys(why for _, why in found.kept)
-        yield "Not moved: " + "; ".join(
-            f"{why} {', '.join(task for task, reason in found.kept if reason == why)}"
-            for why in whys
-        )
+    t = words(lang)
+    click.echo("\n".join(about(found, old, t)))
     if front:
-        yield ""
-        yield from _front_lines(found)
+        click.echo("\n".join(["", *aligned(rows_of_the_front(found, t))]))
+        click.echo(t("replan.complete" if found.complete else "replan.incomplete"))
         return
-    best = found[0]
-    proof = "proven to change least" if found.complete else _open(found)
-    yield (
-        f"New plan {best.schedule.digest}: makespan {number(best.makespan)} s, stress"
-        f" {number(best.stress)}, {proof}."
-    )
-    yield ""
-    yield str(found.changes)
-    yield from (f"  {changed}" for changed in found.changes.changed)
-
-
-def _open(found: Replanned) -> str:
-    bounds = [f"at least {found.at_least.get(what, 0)} {said}" for what, said in _SAID.items()]
-    return f"not proven to change least ({', '.join(bounds)})"
-
-
-_SAID = {"operator": "change operator", "order": "change order", "start": "move"}
-
-
-def _about_the_optimum(found: Replanned) -> str:
-    optimum, limits = found.optimum, found.question
-    least = "" if optimum.proven else f" (not proven, at least {number(optimum.bound)} s)"
-    said = f"New optimum: {number(optimum.makespan)} s{least}"
-    if optimum.stress is not None:
-        said += f" with a stress of at most {number(optimum.stress)}"
-        if optimum.reachable is None:
-            said += "; no plan of so little stress has been found"
-        elif not optimum.reachable:
-            said += ", the least that can be reached: that of the old plan no longer can"
-    if limits.limits:
-        said += f". Allowed, {number(found.allow)} % above: {' and '.join(limits.limits)}"
-    return f"{said}."
-
-
-def _front_lines(found: Replanned) -> Iterator[str]:
-    """A row for each point of the front of changes and makespan."""
-    rows: list[tuple[str, ...]] = [
-        ("changed", "operator", "order", "start", "makespan", "stress", "status", "plan")
-    ]
-    for result in reversed(found.results):
-        changes = _replan(result).changes
-        rows.append(
-            (
-                str(sum(changes.counts)),
-                *map(str, changes.counts),
-                f"{number(result.makespan)} s",
-                number(result.stress),
-                "proven" if result.status == "optimal" else "not proven",
-                result.schedule.digest,
-            )
-        )
-    yield from aligned(rows)
-    yield "complete and proven" if found.complete else "not complete"
-
-
-def _replan(result: Result) -> Replan:
-    from tandem.plan.replanned import Replan
-
-    assert isinstance(result, Replan)
-    return result
+    click.echo("\n".join(about_the_plan(found, t)))
+    console = Console(file=sys.stdout, highlight=False)
+    console.print(GanttText(found.cell, found[0].schedule, language=lang))

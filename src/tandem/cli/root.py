@@ -14,7 +14,7 @@ from typing import Any
 import click
 
 import tandem as package
-from tandem.errors import CellError, InfeasibleError, NotReadWarning, TandemError
+from tandem.errors import CellError, InfeasibleError, NotReadWarning, NotWrittenWarning, TandemError
 
 VERBS: dict[str, tuple[str, str, str]] = {
     "init": (
@@ -91,7 +91,7 @@ VERBS: dict[str, tuple[str, str, str]] = {
     "generate": (
         "tandem.cli.cells",
         "generate",
-        "Make a cell: random layers, chessboards, or a desk.",
+        "Make a cell: random layers, chessboards, a benchmark by name.",
     ),
     "board": (
         "tandem.cli.boards",
@@ -101,7 +101,12 @@ VERBS: dict[str, tuple[str, str, str]] = {
     "convert": (
         "tandem.cli.cells",
         "convert_command",
-        "Turn a file of a public format into a cell file.",
+        "Turn a public format into a cell file, or a cell into one.",
+    ),
+    "formats": (
+        "tandem.cli.cells",
+        "formats_command",
+        "List the formats; or which files of a folder are cells.",
     ),
     "schema": (
         "tandem.cli.cells",
@@ -112,6 +117,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "tandem.cli.sheets",
         "import_command",
         "Turn a planner's workbook into a cell file.",
+    ),
+    "score": (
+        "tandem.cli.score",
+        "score_command",
+        "Score tasks by ergonomic methods, from posture, load and rate.",
     ),
     "template": (
         "tandem.cli.sheets",
@@ -243,14 +253,16 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def _tell_what_is_not_read() -> None:
-    """Whatever command loads a file: what has no place in the cell is named on stderr, one line
-    each.
+    """Whatever command loads or writes a file: what has no place in the cell, or in the form that
+    it is written in, is named on stderr, one line each.
     """
-    warnings.simplefilter("always", NotReadWarning)
+    told = (NotReadWarning, NotWrittenWarning)
+    for kind in told:
+        warnings.simplefilter("always", kind)
     show_others = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
-        if issubclass(category, NotReadWarning):
+        if issubclass(category, told):
             click.echo(f"tandem: {message}", err=True)
         else:
             show_others(message, category, *rest, **named)

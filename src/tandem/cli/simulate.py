@@ -17,7 +17,6 @@ from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
-    from tandem.dispatch.evaluation.trial import Trial
 
 PICTURE = click.Path(dir_okay=False, path_type=Path)
 
@@ -30,8 +29,8 @@ PICTURE = click.Path(dir_okay=False, path_type=Path)
     "policies",
     required=True,
     help=(
-        "Who decides, joined by commas; `tandem policies` lists them. The others are compared with"
-        " the first."
+        "Who decides, joined by commas; `tandem policies` lists them, one of your own is"
+        " package.module:maker. The others are compared with the first."
     ),
 )
 @click.option(
@@ -114,9 +113,17 @@ def simulate_command(
     cell = load(cell_file, form)
     if chart is not None and chart.suffix.lower() not in (".svg", ".png", ".pdf"):
         raise UsageError(f"--chart {chart}: a picture's name ends in .svg, .png or .pdf.")
-    trial = _trial(cell, _split(policies), split_people(people), given)
+    told = _told(cell, _split(policies), given)
     say_which_seed(given["learned"])
-    documents = judge(cell, trial, (lambda _: None) if quiet else _tell)
+    documents = judge(
+        cell,
+        _split(policies),
+        split_people(people),
+        given["episodes"],
+        given["seed"],
+        tell=(lambda _: None) if quiet else _tell,
+        **told,
+    )
     for remark in dict.fromkeys(remark for one in documents for remark in _remarks(one)):
         _tell(remark)
     document: Any = documents[0] if len(documents) == 1 else documents
@@ -156,30 +163,24 @@ def _remarks(document: dict[str, Any]) -> Iterator[str]:
             yield f"{row['policy']}: {basis.doubt}"
 
 
-def _trial(
-    cell: Cell, policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]
-) -> Trial:
+def _told(cell: Cell, policies: tuple[str, ...], given: dict[str, Any]) -> dict[str, Any]:
+    """What is to be small, what may happen, and what the deciders are told: as `judge` takes it."""
     from tandem.cli.following import steered
     from tandem.dispatch.deciders.policy import Options
-    from tandem.dispatch.evaluation.trial import Trial
     from tandem.world.randomness import Chance
 
     objective, plan = steered(cell, given, policies, (1.0, 0.0))
     prior = {} if given["prior"] is None else {"prior": given["prior"]}
-    return Trial(
-        policies,
-        people,
-        given["episodes"],
-        given["seed"],
-        objective,
-        Chance(
+    return {
+        "objective": objective,
+        "chance": Chance(
             spread=given["spread"],
             cv=given["cv"],
             failure_s=given["failures"],
             absence_s=given["absences"],
             undo=given["taking_apart"],
         ),
-        Options(
+        "options": Options(
             budget_ms=given["budget"],
             seed=given["seed"],
             frozen_s=given["frozen"],
@@ -188,7 +189,7 @@ def _trial(
             plan=plan,
             **prior,
         ),
-    )
+    }
 
 
 def _split(text: str) -> tuple[str, ...]:
@@ -246,18 +247,17 @@ def policies_command(as_json: bool) -> None:
     """List the policies: who can decide live."""
     from tandem.dispatch.deciders.table import POLICIES
 
+    listed = POLICIES.told(lambda entry: entry.what)
     if as_json:
         click.echo(
             json.dumps(
                 {
                     "schema_version": 1,
-                    "policies": [
-                        {"name": name, "what": entry.what} for name, entry in POLICIES.items()
-                    ],
+                    "policies": [{"name": name, "what": what} for name, what in listed.items()],
                 }
             )
         )
         return
-    width = max(map(len, POLICIES))
-    for name, entry in POLICIES.items():
-        click.echo(f"{name:<{width}}  {entry.what}")
+    width = max(map(len, listed))
+    for name, what in listed.items():
+        click.echo(f"{name:<{width}}  {what}")

@@ -18,17 +18,18 @@ import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, TypeVar
 
 from pydantic import AwareDatetime, Field, ValidationError
 
-from tandem import __version__
 from tandem.cell.model import Cell
 from tandem.errors import TandemError, UsageError
 from tandem.learn.forms import Form, complaints
 
+VERSION = version("tandem")
 FORMAT = 2
 """Of the journal. One of another format is refused."""
 
@@ -320,7 +321,7 @@ class Journal:
         """Opens the shift: what it is, and its first decision, in one transaction."""
         about = {
             "format": FORMAT,
-            "tandem": __version__,
+            "tandem": VERSION,
             "digest": cell.digest,
             "cell": cell.to_dict(),
             "variants": {name: other.to_dict() for name, other in (variants or {}).items()},
@@ -428,10 +429,10 @@ class Journal:
                 f"{self.path}: this is a database, but no journal of a shift. Name another file."
             )
         about = self._about()
-        if about.get("format") != FORMAT or about.get("tandem") != __version__:
+        if about.get("format") != FORMAT or about.get("tandem") != VERSION:
             raise JournalError(
                 f"{self.path}: the journal is of format {about.get('format')}, by Tandem"
-                f" {about.get('tandem')}. This is Tandem {__version__}, format {FORMAT}; it may"
+                f" {about.get('tandem')}. This is Tandem {VERSION}, format {FORMAT}; it may"
                 " decide otherwise. End the shift with the version that began it, or name another"
                 " file."
             )

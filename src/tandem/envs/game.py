@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tandem.cell.model import Cell
-from tandem.envs.observations import observe
+from tandem.envs.cells import as_cell
+from tandem.envs.observations import MOST, observe
+from tandem.envs.rewards import Happening, reward_of
 from tandem.errors import UsageError
 from tandem.schedule.model import Schedule
 from tandem.world import state as world
-from tandem.world.arrays import Names
+from tandem.world.arrays import Arrays, Names
 from tandem.world.episode import Shift, begin, decide, is_over, run_on
 from tandem.world.people import Person
 from tandem.world.people import crew as crew_of
@@ -37,6 +39,8 @@ class Options:
       part: of a population file, "held_out" or "train".
       chance: what may happen besides.
       stress_factor: seconds that a unit of stress is worth in the reward.
+      reward: what is paid instead: a function of a `rewards.Happening`, a table of
+        `rewards.NUMBERS`, or the name of a function (`tandem.rewards`, `package.module:function`).
       strict: an illegal action raises instead of counting as waiting.
       limit: seconds after which an unfinished episode is cut off; twenty times all work done one
         after the other when absent.
@@ -48,6 +52,7 @@ class Options:
     part: str = "held_out"
     chance: Chance = field(default=OFF)
     stress_factor: float = 0.0
+    reward: Any = None
     strict: bool = False
     limit: float | None = None
     per_second: int | None = None
@@ -66,18 +71,7 @@ class Options:
                 )
         if self.limit is not None and not self.limit > 0:
             raise UsageError(f"limit={self.limit!r}: give seconds above 0.")
-
-
-@dataclass(frozen=True)
-class Happening:
-    """What passed between two decisions: seconds, stress that was taken on, and per operator the
-    tasks begun and ended.
-    """
-
-    seconds: float
-    stress: float
-    started: dict[str, str]
-    finished: dict[str, str]
+        reward_of(self.reward, self.stress_factor)
 
 
 class EventGame:
@@ -89,6 +83,7 @@ class EventGame:
         self, cell: Cell | str | os.PathLike[str], options: Options, *, free: bool = False
     ):
         self.cell, self.options, self.free = as_cell(cell), options, free
+        self.pay = reward_of(options.reward, options.stress_factor)
         self.names = Names.of(self.cell, per_second=options.per_second)
         self.people = crowd(options.person, self.names, self.names.arrays(), part=options.part)
         self.arrays = self.names.arrays(
@@ -182,11 +177,7 @@ class EventGame:
         if self._masked is not shift:
             self._masked, self._masks = shift, {}
         if operator not in self._masks:
-            mine = world.legal_of(arrays, shift.mask, np.int32(operator))
-            waits = not mine.any() or bool(
-                world.may_wait(arrays, shift.state, shift.mask, np.int32(operator))
-            )
-            self._masks[operator] = np.concatenate([[waits], mine]).astype(np.int8)
+            self._masks[operator] = mask_of(arrays, shift.state, shift.mask, operator)
         return self._masks[operator].copy()
 
     def observe(self, operator: int) -> NDArray[np.float32]:
@@ -195,8 +186,8 @@ class EventGame:
             observe(self.arrays, self.shift.state, self.shift.mask, np.int32(operator))
         )
 
-    def since(self, before: Shift) -> Happening:
-        """What has passed since then."""
+    def since(self, before: Shift, illegal: bool = False) -> Happening:
+        """What has passed since then; `illegal`: an illegal action was named."""
         now, then = self.shift.state, before.state
         started: dict[str, str] = {}
         finished: dict[str, str] = {}
@@ -210,15 +201,17 @@ class EventGame:
             if (up[task] and not was_up[task]) or (now.way[task] < 0 <= then.way[task]):
                 finished.update(dict.fromkeys(self.names.ways[way][1].operators, name))
         stress = self.stress_at(now) - self.stress_at(then)
-        return Happening(self.names.seconds(int(now.clock - then.clock)), stress, started, finished)
+        seconds = self.names.seconds(int(now.clock - then.clock))
+        idle = sum(self._idle(who, seconds) for who in self.names.operators)
+        return Happening(seconds, stress, started, finished, idle, self.done, illegal)
 
     def stress_at(self, state: world.State) -> float:
         """The cell's measure of stress of what has begun."""
         return self.names.stress(int(world.stress(self.arrays, state)))
 
     def reward(self, happening: Happening) -> float:
-        """Minus the seconds that passed, minus what the stress is worth."""
-        return -happening.seconds - self.options.stress_factor * happening.stress
+        """What the options pay for it."""
+        return self.pay(happening)
 
     def info(
         self, happening: Happening | None, operator: str | None, illegal: bool
@@ -229,7 +222,7 @@ class EventGame:
         names = list(self.names.operators) if operator is None else [operator]
         started = {who: happening.started.get(who, "") if happening else "" for who in names}
         finished = {who: happening.finished.get(who, "") if happening else "" for who in names}
-        idle = sum(self._idle(who, happening) for who in names) if happening else 0.0
+        idle = sum(self._idle(who, happening.seconds) for who in names) if happening else 0.0
         return {
             "time": now,
             "makespan": self.names.seconds(max(rows, default=0)),
@@ -288,19 +281,44 @@ class EventGame:
             else f"do {task!r} as {mode.operators[0]}"
         )
 
-    def _idle(self, who: str, happening: Happening) -> float:
-        """Seconds of the last stretch in which the operator had no work."""
-        then, worked = self.clock - self.names.ticks(happening.seconds), 0
+    def _idle(self, who: str, seconds: float) -> float:
+        """Of the last so many seconds those in which the operator had no work."""
+        then, worked = self.clock - self.names.ticks(seconds), 0
         for way, start, end in self.rows:
             if who in self.names.ways[way][1].operators:
                 worked += max(0, min(end, self.clock) - max(start, then))
-        return happening.seconds - self.names.seconds(worked)
+        return seconds - self.names.seconds(worked)
 
 
-def as_cell(cell: Cell | str | os.PathLike[str]) -> Cell:
-    """The cell itself, or the one in that file. Raises CellError as `tandem.load` does."""
-    if isinstance(cell, Cell):
-        return cell
-    from tandem.files.load import load
+def mask_of(arrays: Arrays, state: world.State, mask: Any, operator: int) -> NDArray[np.int8]:
+    """`[W + 1]`, 1 = the operator may choose it of what may begin (`mask` `[W]` bool); 0 waits, i
+    begins way i - 1. Who has nothing to choose waits.
+    """
+    mine = np.asarray(world.legal_of(arrays, mask, np.int32(operator)))
+    waits = not mine.any() or bool(world.may_wait(arrays, state, mask, np.int32(operator)))
+    return np.concatenate([[waits], mine]).astype(np.int8)
 
-    return load(cell)
+
+def ways_of(arrays: Arrays) -> NDArray[np.float32]:
+    """`[3, W]`, what a padded observation tells of a cell's ways: their times and the longest chain
+    from their task on, in units of the mean duration of a way, and their stress by the largest.
+    """
+    unit, ticks = arrays.way_ticks.mean(), np.asarray(arrays.way_ticks)
+    load = np.asarray(arrays.way_load).sum(axis=1)
+    chain = np.asarray(arrays.tail)[np.asarray(arrays.way_task)]
+    parts = [ticks / unit, chain / unit, load / max(1, load.max())]
+    return np.minimum(np.stack(parts), MOST).astype(np.float32)
+
+
+def agents_of(names: Names) -> dict[str, int]:
+    """`robot_0`, ..., `machine_0`, ..., `human_0`, ... -> the operator's number."""
+    cell = names.cell
+    return {
+        f"{kind}_{index}": names.operators.index(who)
+        for kind, group in (
+            ("robot", cell.robots),
+            ("machine", cell.machines),
+            ("human", cell.humans),
+        )
+        for index, who in enumerate(group)
+    }

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import time
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import gymnasium
@@ -13,10 +13,11 @@ from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from tandem.cell.model import Cell
+from tandem.envs.cells import AnyCells, Cells, Room
 from tandem.envs.door import Door, is_legal
-from tandem.envs.game import RENDER_MODES, EventGame, Options
+from tandem.envs.game import RENDER_MODES, EventGame, Options, agents_of
 from tandem.envs.observations import MOST
+from tandem.envs.view import View
 from tandem.errors import UsageError
 
 Observation = dict[str, NDArray[Any]]
@@ -31,9 +32,13 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
     illegal. Who names a joint way begins it for all who take part. Then time runs on until somebody
     can begin something again. When all wait although nothing else is to come, a second passes.
 
+    `cell` may be several, as in the Gymnasium face; who is not in the cell of an episode is no
+    agent of it.
+
     All agents are paid the same: minus the seconds that passed, less `stress_factor` for each unit
-    of stress. Humans choose what they are told to choose: of `person` only pace, habit, fatigue and
-    slips count. Observations, masks and illegal actions as in the Gymnasium face.
+    of stress, or what `reward` says. Humans choose what they are told to choose: of `person` only
+    pace, habit, fatigue and slips count. Observations, masks and illegal actions as in the
+    Gymnasium face.
     """
 
     metadata: ClassVar[dict[str, Any]] = {
@@ -43,22 +48,17 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         "render_fps": 4,
     }
 
-    def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
-        self.game = EventGame(cell, Options(**options), free=True)
+    def __init__(
+        self, cell: AnyCells, *, room: Room | Mapping[str, int] | None = None, **options: Any
+    ):
+        self.cells = Cells(cell, room)
+        game = EventGame(self.cells.first(), Options(**options), free=True)
+        self.view = View(game, self.cells.room)
         self.render_mode = self.game.options.render_mode
-        names, of = self.game.names.operators, self.game.cell
-        self.operators = {
-            f"{kind}_{index}": names.index(who)
-            for kind, group in (
-                ("robot", of.robots),
-                ("machine", of.machines),
-                ("human", of.humans),
-            )
-            for index, who in enumerate(group)
-        }
-        self.possible_agents = list(self.operators)
+        self.operators = agents_of(self.game.names)
+        self.possible_agents = self.view.possible_agents
         self.agents: list[str] = []
-        actions, size = len(self.game.names.ways) + 1, self.game.observe(0).size
+        actions, size = self.view.actions, self.view.size
         box = (np.zeros(size, np.float32), np.full(size, MOST, np.float32))
         self.observation_spaces = {
             agent: spaces.Dict(
@@ -72,9 +72,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         self.action_spaces = {agent: spaces.Discrete(actions) for agent in self.possible_agents}
         self.state_space = spaces.Box(*box, dtype=np.float32)
         self._rng = seeding.np_random(0)[0]
-        self._door = Door(
-            dict.fromkeys(self.possible_agents, actions), strict=self.game.options.strict
-        )
+        self._door = self._door_of()
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         """The same object at each call."""
@@ -88,12 +86,19 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """The first observations; people and chance are drawn anew, from the seed when it is
-        given.
+        given. `options={"cell": ...}` names the cell of this episode; its operators are the agents.
+
+        Raises UsageError for a cell that does not fit into the spaces.
         """
         if seed is not None:
             self._rng = seeding.np_random(seed)[0]
+        self.view = self.view.on(
+            self.cells.asked(options, self.view.own) or self.cells.drawn(self._rng)
+        )
         self.game.reset(self._rng)
-        self.agents = list(self.possible_agents)
+        self.operators = agents_of(self.game.names)
+        self.agents = list(self.operators)
+        self._door = self._door_of()
         self._door.open()
         self._return, self._steps, self._since = 0.0, 0, time.monotonic()
         return self._observations(), {
@@ -123,7 +128,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
             if illegal[agent] and game.options.strict:
                 raise UsageError(game.complaint(self.operators[agent], named[agent]))
         self._take({self.operators[agent]: named[agent] for agent in agents})
-        happening = game.since(before)
+        happening = game.since(before, any(illegal.values()))
         reward, ended, cut = game.reward(happening), game.done, game.truncated
         self._return, self._steps = self._return + reward, self._steps + 1
         # one team, one reward: it is paid for the stretch of time, whoever acted in it
@@ -147,11 +152,16 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
 
     def action_masks(self) -> dict[str, NDArray[np.int8]]:
         """Agent -> `[W + 1]` int8, 1 = legal; never all 0."""
-        return {agent: self.game.mask(operator) for agent, operator in self.operators.items()}
+        return {agent: self.view.mask(operator) for agent, operator in self.operators.items()}
+
+    @property
+    def game(self) -> EventGame:
+        """The shift under way."""
+        return self.view.game
 
     def state(self) -> NDArray[np.float32]:
         """What there is to see, as nobody in particular."""
-        return self.game.observe(-1)
+        return self.view.observe(-1)
 
     def render(self) -> str | NDArray[np.uint8] | None:
         """The schedule so far, as the render mode says: text, pixels, or None."""
@@ -180,12 +190,16 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
 
     def _observation(self, agent: str) -> Observation:
         return {
-            "observation": self.game.observe(self.operators[agent]),
-            "action_mask": self.game.mask(self.operators[agent]),
+            "observation": self.view.observe(self.operators[agent]),
+            "action_mask": self.view.mask(self.operators[agent]),
         }
 
     def _observations(self) -> dict[str, Observation]:
         return {agent: self._observation(agent) for agent in self.agents}
 
     def _info(self, agent: str, said: dict[str, Any]) -> dict[str, Any]:
-        return {"action_mask": self.game.mask(self.operators[agent]), **said}
+        return {"action_mask": self.view.mask(self.operators[agent]), **said}
+
+    def _door_of(self) -> Door:
+        agents = dict.fromkeys(self.operators, self.view.actions)
+        return Door(agents, strict=self.game.options.strict)

@@ -4,7 +4,7 @@ the world.
 
 from __future__ import annotations
 
-import os
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import gymnasium
@@ -12,10 +12,12 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from tandem.cell.model import Cell
+from tandem.envs.cells import AnyCells, Cells, Room
 from tandem.envs.door import CONTROLLER, Door, is_legal
-from tandem.envs.game import RENDER_MODES, EventGame, Happening, Options
+from tandem.envs.game import RENDER_MODES, EventGame, Options
 from tandem.envs.observations import MOST
+from tandem.envs.rewards import Happening
+from tandem.envs.view import View
 from tandem.errors import UsageError
 
 Observation = dict[str, NDArray[Any]]
@@ -30,18 +32,30 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
     first. With `asks=False` nobody asks people anything: they are suggested the legal task with the
     longest chain behind it, as an instruction sheet would, and only robots' turns come up.
 
-    The reward is minus the seconds that passed, less `stress_factor` for each unit of stress. An
-    illegal action counts as waiting, or as the first legal way when waiting is none; `strict=True`
-    raises. The same seed gives the same people and the same chance, whatever is decided. The other
-    options: see `Options`. `info["episode"]` is left to the wrappers that write it.
+    `cell` may be several: a folder, a list, or a function that draws one from a NumPy generator;
+    each episode is played on one of them, and all have the spaces of the largest (`room`).
+
+    The reward is minus the seconds that passed, less `stress_factor` for each unit of stress, or
+    what `reward` says. An illegal action counts as waiting, or as the first legal way when waiting
+    is none; `strict=True` raises. The same seed gives the same people and the same chance, whatever
+    is decided. The other options: see `Options`. `info["episode"]` is left to the wrappers that
+    write it.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 4}  # type: ignore[misc]
 
-    def __init__(self, cell: Cell | str | os.PathLike[str], *, asks: bool = True, **options: Any):
-        self.game, self.asks = EventGame(cell, Options(**options)), asks
+    def __init__(
+        self,
+        cell: AnyCells,
+        *,
+        asks: bool = True,
+        room: Room | Mapping[str, int] | None = None,
+        **options: Any,
+    ):
+        self.cells, self.asks = Cells(cell, room), asks
+        self.view = View(EventGame(self.cells.first(), Options(**options)), self.cells.room)
         self.render_mode = self.game.options.render_mode
-        actions, size = len(self.game.names.ways) + 1, self.game.observe(0).size
+        actions, size = self.view.actions, self.view.size
         self.action_space = spaces.Discrete(actions)
         self.observation_space = spaces.Dict(
             {
@@ -57,9 +71,14 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """The first observation; people and chance are drawn anew, from the seed when it is
-        given.
+        given. `options={"cell": ...}` names the cell of this episode.
+
+        Raises UsageError for a cell that does not fit into the spaces.
         """
         super().reset(seed=seed)
+        self.view = self.view.on(
+            self.cells.asked(options, self.view.own) or self.cells.drawn(self.np_random)
+        )
         self.game.reset(self.np_random)
         self._door.open()
         self._to_our_turn()
@@ -78,7 +97,7 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
         if game.turn >= 0:
             game.decide(-1 if illegal else action - 1)
             self._to_our_turn()
-        happening = game.since(before)
+        happening = game.since(before, illegal)
         self._door.shut_if(game.done or game.truncated)
         return (
             self._observation(),
@@ -90,7 +109,12 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
 
     def action_masks(self) -> NDArray[np.int8]:
         """`[W + 1]` int8, 1 = legal; never all 0."""
-        return self.game.mask(self.game.turn)
+        return self.view.mask(self.game.turn)
+
+    @property
+    def game(self) -> EventGame:
+        """The shift under way."""
+        return self.view.game
 
     def render(self) -> Any:
         """The schedule so far, as the render mode says: text, pixels, or None."""
@@ -109,7 +133,7 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
 
     def _observation(self) -> Observation:
         return {
-            "observation": self.game.observe(self.game.turn),
+            "observation": self.view.observe(self.game.turn),
             "action_mask": self.action_masks(),
         }
 

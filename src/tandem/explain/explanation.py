@@ -169,6 +169,7 @@ def explain(
             time_limit=max(time_limit * SHARE_FOR_FRONT, 0.2),
             seed=seed,
             workers=workers,
+            confirm=False,
         )
     place = point_of(front, point, makespan, stress) + 1
     tell = on_answer or (lambda answer: None)

@@ -1,11 +1,10 @@
-"""The doors for files: YAML, JSON and public formats in; YAML and JSON out. Spreadsheets have a
+"""The doors for files: YAML, JSON and public formats in and out. Spreadsheets have a
 door of their own.
 """
 
 from __future__ import annotations
 
 import gc
-import json
 import os
 import re
 import sys
@@ -17,11 +16,11 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
-from tandem.errors import CellError, Fault, NotReadWarning, UsageError
+from tandem.errors import CellError, Fault, NotReadWarning, NotWrittenWarning, UsageError
 from tandem.files.atomic import store
-from tandem.files.formats.table import FORMATS, detected
+from tandem.files.formats import hrcalbp
+from tandem.files.formats.table import FORMATS, WRITERS, detected
 from tandem.files.validate import cell_of
-from tandem.files.yaml_writer import escaped, to_yaml
 
 LARGEST = 20_000_000
 """Bytes that a cell file may have: a cell of 10,000 tasks has about one million."""
@@ -58,7 +57,7 @@ def load(path: str | os.PathLike[str] | Mapping[str, Any], format: str | None = 
         )
     source = os.fspath(path)
     data = _bytes(Path(path), source)
-    if format is None and Path(path).suffix.lower().startswith(SHEETS):
+    if format is None and _is_sheet(Path(path), data):
         remedy = (
             f"Import it first, which shows how each column is read: `tandem import {source} -o"
             " cell.yaml`."
@@ -101,23 +100,37 @@ def _uncollected() -> Iterator[None]:
 
 
 def dumps(cell: Cell, format: str = "yaml") -> str:
-    """The cell as YAML, or as JSON.
+    """The cell as YAML, as JSON, or in the form of a public benchmark: a name from `WRITERS`.
+
+    Warns `NotWrittenWarning` of what the form leaves out though no schedule depends on it: stress,
+    names.
 
     Raises:
-      UsageError: it can be written as neither.
+      UsageError: there is no such form.
+      CellError: the form cannot say all that decides which schedules there are; with every reason.
     """
-    if format == "yaml":
-        return to_yaml(cell)
-    if format == "json":
-        return escaped(json.dumps(cell.to_dict(), ensure_ascii=False, indent=1)) + "\n"
-    raise UsageError(f"cells are written as 'yaml' or 'json', not as {format!r}.")
+    if format not in WRITERS:
+        raise UsageError(
+            f"cells are not written as {format!r}. {Known(WRITERS).hint(format)} Cells are written"
+            f" as {', '.join(WRITERS)}."
+        )
+    written = WRITERS[format].write(cell)
+    for note in written.notes:
+        warnings.warn(f"{format}: {note}", NotWrittenWarning, stacklevel=2)
+    return written.text
 
 
-def dump(cell: Cell, path: str | os.PathLike[str]) -> None:
-    """Writes the cell: JSON when the file's name ends so, else YAML. The file is whole or, after an
-    OSError, as it was before.
+def dump(cell: Cell, path: str | os.PathLike[str], format: str | None = None) -> None:
+    """Writes the cell: in the form given, else in that of the file's ending (`.json`, `.fjs`,
+    `.jsp`), else as YAML. The file is whole or, after an OSError, as it was before. Warns and
+    raises as `dumps` does.
     """
-    store(path, dumps(cell, "json" if Path(path).suffix.lower() == ".json" else "yaml"))
+    form = format or WRITTEN_ENDINGS.get(Path(path).suffix.lower(), "yaml")
+    store(path, dumps(cell, form))
+
+
+WRITTEN_ENDINGS = {".json": "json", ".fjs": "fjs", ".jsp": "jsp"}
+"""How the name of a file ends, and what is written into it."""
 
 
 def _bytes(path: Path, source: str) -> bytes:
@@ -148,6 +161,13 @@ def _bytes(path: Path, source: str) -> bytes:
                 )
             ]
         ) from error
+
+
+def _is_sheet(path: Path, data: bytes) -> bool:
+    """Whether a file's name is that of a spreadsheet, and what is in it no public format."""
+    if not path.suffix.lower().startswith(SHEETS):
+        return False
+    return not hrcalbp.looks_like(data[:100_000].decode("latin-1"))
 
 
 def _not_there(path: Path) -> str:

@@ -15,8 +15,9 @@ from tandem.cell.model import Cell
 from tandem.errors import CellError
 from tandem.files.atomic import store
 from tandem.lab.antonelli2021.cells import own_cell
-from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.probes import PROBES, Entry, base, features, other_cells, tooled
+from tandem.lab.published import published
 from tandem.lab.systems import SYSTEMS, System
 from tandem.learn.room import make_room
 from tandem.learn.training.runs import versions
@@ -120,6 +121,10 @@ def compare(
             one.name: {feature: entry._asdict() for feature, entry in one.entries.items()}
             for one in shown
         },
+        "published": {
+            one.name: {feature: published(one.name, feature)._asdict() for feature in PROBES}
+            for one in shown
+        },
         "other_cells": {
             one.name: {cell: entry._asdict() for cell, entry in one.others.items()} for one in shown
         },
@@ -197,8 +202,9 @@ def _lead(shown: Sequence[Shown]) -> Iterator[str]:
         " are ours; each system's page in the manual says which."
     )
     yield (
-        "The first table is not written by hand: every entry is what happened when the system was"
-        " given a small cell to try."
+        "The first table is about these systems as they are rebuilt here, and is not written by"
+        " hand: every entry is what happened when the system was given a small cell to try. The"
+        " second puts what is published beside it."
     )
 
 
@@ -217,32 +223,41 @@ def _matrix(shown: Sequence[Shown]) -> Markup:
     ]
     return tag(
         "section",
-        tag("h2", "What each can do", id="features"),
-        tag("div", table(heads, rows, "What each can do"), class_="matrix"),
+        tag("h2", "What each can do as it is rebuilt here", id="features"),
+        tag("div", table(heads, rows, "What each can do as it is rebuilt here"), class_="matrix"),
     )
 
 
 def _findings(shown: Sequence[Shown]) -> Markup:
-    heads = [("", ""), *((one.title.partition(":")[0], "") for one in shown)]
+    heads = [(word, "") for word in ("", "system", "published", "rebuilt here", "how found")]
     rows = [
-        tag(
-            "tr",
-            tag("th", feature, scope="row"),
-            *(tag("td", one.entries[feature].how) for one in shown),
-        )
+        _finding(feature, one, len(shown) if place == 0 else 0)
         for feature in PROBES
+        for place, one in enumerate(shown)
     ]
     return tag(
         "section",
-        tag("h2", "How that was found", id="findings"),
+        tag("h2", "Published, and rebuilt here", id="findings"),
         tag(
             "p",
-            "Costs are in each system's own units: only whether they move says something.",
+            "Published: what is publicly known of the system, with the source in brackets; nobody"
+            ' here has read the papers\' full texts, so "not known" is not "no". Rebuilt here:'
+            " what the system in this package did. Costs are in each system's own units: only"
+            " whether they move says something.",
             class_="note",
         ),
-        tag("div", table(heads, rows, "How that was found"), class_="matrix"),
+        tag("div", table(heads, rows, "Published, and rebuilt here"), class_="matrix"),
         class_="page",
     )
+
+
+def _finding(feature: str, one: Shown, rows: int) -> Markup:
+    """A row of one feature and one system; the first of a feature names it, `rows` rows long."""
+    claim, entry = published(one.name, feature), one.entries[feature]
+    source = f" ({claim.source})" if claim.source else ""
+    named = [tag("th", feature, scope="rowgroup", rowspan=rows)] if rows else []
+    words = (one.title.partition(":")[0], claim.value + source, entry.value, entry.how)
+    return tag("tr", *named, *(tag("td", word) for word in words))
 
 
 def _others(shown: Sequence[Shown]) -> Markup:

@@ -1,46 +1,8 @@
-"""What the world of a paper has no word for: each key with which a cell says more than the world
-knows.
-
-A world lists the keys that it knows; every other one is refused, those too that a later version of
-the cell file will bring.
-"""
+"""How a world that refuses a cell names its crew."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
-
-from pydantic import BaseModel
-
 from tandem.cell.model import Cell
-
-Path = tuple[str, ...]
-
-NAMES = frozenset({"format", "name", "label", "part", "kind"})
-"""Keys that call things by name; every world can stand them."""
-TABLES = frozenset({"operators", "tasks", "tools", "zones"})
-"""Keys of a cell under which the others stand; tools and zones say nothing until a task names
-one. A world that knows zones still knows none that keep kinds of operators apart.
-"""
-
-
-def beyond(
-    cell: Cell, *, operator: Collection[str] = (), task: Collection[str] = ()
-) -> Iterator[Path]:
-    """Where the cell says something with a key that the world does not know, in the cell's order.
-
-    Args:
-      operator, task: the keys of an operator and of a task that the world knows.
-    """
-    for name, one in cell.operators.items():
-        yield from (("operators", name, key) for key in _stated(one, operator))
-    for name, step in cell.tasks.items():
-        yield from (("tasks", name, key) for key in _stated(step, task))
-        if "tool" not in task and step.tool is None and any(step.tools_named()):
-            yield ("tasks", name, "tool")
-    for name, zone in cell.zones.items():
-        if zone.apart and "zone" in task:
-            yield ("zones", name, "apart")
-    yield from ((key,) for key in _stated(cell, TABLES))
 
 
 def enumerated_crew(cell: Cell) -> str:
@@ -51,12 +13,3 @@ def enumerated_crew(cell: Cell) -> str:
     counts += [("machine", len(cell.machines))] if cell.machines else []
     *most, last = (f"{count} {kind}{'s' * (count != 1)}" for kind, count in counts)
     return f"{', '.join(most)} and {last}"
-
-
-def _stated(part: BaseModel, known: Collection[str]) -> Iterator[str]:
-    """Keys whose values are not those that they have when they are left out."""
-    for key, field in type(part).model_fields.items():
-        if key in NAMES or key in known:
-            continue
-        if getattr(part, key) != field.get_default(call_default_factory=True):
-            yield key

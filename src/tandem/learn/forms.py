@@ -15,17 +15,17 @@ from tandem.cell.names import Known
 from tandem.errors import CellError, Fault, UsageError
 from tandem.files.messages import shown
 
-STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
-"""How settings are read; a class of them says so with `__pydantic_config__`."""
+STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+"""How documents and settings are read: no unknown keys, no value of another type, no infinity."""
 
 MOST_BYTES = 2**26
 """Of a document that a training writes; one of a thousand tasks has a hundredth of that."""
 
 
 class Form(BaseModel):
-    """A document of a run: frozen, no unknown keys, no value of another type, no infinity."""
+    """A document of a run: frozen, and read strictly."""
 
-    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(**STRICT, frozen=True)
 
 
 def key_of(table: Iterable[str]) -> AfterValidator:
@@ -35,7 +35,9 @@ def key_of(table: Iterable[str]) -> AfterValidator:
 
     def check(value: str) -> str:
         if value not in (names := tuple(table)):
-            raise ValueError(f"choose {' or '.join(map(repr, names))}")
+            nearest = Known(names).nearest(value)
+            meant = f"Did you mean {nearest!r}? " if nearest else ""
+            raise ValueError(f"{meant}choose {' or '.join(map(repr, names))}")
         return value
 
     return AfterValidator(check)
@@ -116,11 +118,24 @@ def _must_be(item: Any) -> str:
     kind = item["type"]
     if kind == "literal_error":
         return f"choose {item['ctx']['expected']}"
+    if kind in _LIMITS:
+        key, words = _LIMITS[kind]
+        return words.format(f"{item['ctx'][key]:,}".removesuffix(".0"))
     for start, words in _WANTED.items():
         if kind.startswith(start):
             return words
     return str(item["msg"]).removeprefix("Value error, ").rstrip(".")
 
+
+_LIMITS = {
+    "greater_than_equal": ("ge", "must be {} or more"),
+    "greater_than": ("gt", "must be more than {}"),
+    "less_than_equal": ("le", "must be at most {}"),
+    "less_than": ("lt", "must be less than {}"),
+    "too_short": ("min_length", "needs {} or more values"),
+    "too_long": ("max_length", "has room for {} values"),
+}
+"""Kind of error -> where its limit stands, and what it says."""
 
 _WANTED = {
     "int": "must be a whole number",
@@ -130,7 +145,6 @@ _WANTED = {
     "string_type": "must be text",
     "tuple": "must be a list",
     "list": "must be a list",
-    "too_": "has another number of values than it must have",
     "dict": "must be a table",
     "model": "must be a table",
     "dataclass": "must be a table of settings",

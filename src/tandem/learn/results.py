@@ -67,3 +67,19 @@ def relative_gap(
         return None
     least = min(cost(*point, **paid) for point in front.points)
     return round((cost(makespan, stress, **paid) - least) / least, 6)
+
+
+def dominating(
+    front: Front | None, makespan: float | None, stress: float | None
+) -> tuple[float, float] | None:
+    """The quickest point of the front that is at least as good in both and better in one; None
+    where there is none. What costs as little as can be, at weights of which one is 0, may have one.
+    """
+    if front is None or makespan is None or stress is None:
+        return None
+    better = [
+        point
+        for point in front.points
+        if point[0] <= makespan and point[1] <= stress and point != (makespan, stress)
+    ]
+    return min(better, default=None)

@@ -1,51 +1,58 @@
-"""Settings of a training: frozen dataclasses that check themselves, read from plain data with every
-fault told at once.
+"""Settings of a training: frozen dataclasses that pydantic checks, however they are made, with
+every fault told at once.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
-from typing import Any, TypeVar
+from collections.abc import Iterable
+from functools import wraps
+from typing import Annotated, Any, TypeVar
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass as validated
 
-from tandem.cell.names import Known
-from tandem.files.messages import shown
-from tandem.learn.forms import SettingsError, complaints
+from tandem.learn.forms import STRICT, SettingsError, complaints
 
 LARGEST = 2**31 - 1
 """The largest whole number that a compiled training counts to."""
 
+Count = Annotated[int, Field(ge=1, le=LARGEST)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Batch = Annotated[int, Field(ge=1, le=2**16)]
+"""So many games, draws or decisions at once."""
+Units = Annotated[int, Field(ge=1, le=4096)]
+"""Of a layer of a network."""
+
 Settings = TypeVar("Settings")
+
+
+def checked(form: type[Settings]) -> type[Settings]:
+    """Makes a frozen dataclass hold its annotations: where values do not fit, by type or by range,
+    SettingsError is raised with all of them, as its `__post_init__` may for what two settings say
+    together.
+    """
+    made: Any = validated(form, config=STRICT, frozen=True)
+    plain = made.__init__
+
+    @wraps(plain)
+    def init(self: Any, *arguments: Any, **given: Any) -> None:
+        try:
+            plain(self, *arguments, **given)
+        except ValidationError as error:
+            raise SettingsError(dict.fromkeys(complaints(made, error))) from None
+
+    made.__init__ = init
+    found: type[Settings] = made
+    return found
 
 
 def must_hold(faults: Iterable[str]) -> None:
     """Raises SettingsError when there are any."""
     if found := tuple(faults):
         raise SettingsError(found)
-
-
-def counts(of: Any, names: Iterable[str], *, least: int = 1, most: int = LARGEST) -> Iterator[str]:
-    """A fault for each whole number of these names that is out of range; None passes where the
-    class allows it.
-    """
-    for name in names:
-        value = getattr(of, name)
-        if value is not None and not least <= value <= most:
-            yield (
-                f"{name} {shown(value)}: must be {least} or"
-                f" more{f', at most {most:,}' if value > most else ''}."
-            )
-
-
-def one_of(of: Any, name: str, known: Iterable[str]) -> Iterator[str]:
-    """A fault when the named value is none of those."""
-    value, known = getattr(of, name), tuple(known)
-    if value not in known:
-        nearest = Known(known).nearest(value) if isinstance(value, str) else None
-        meant = f" Did you mean {nearest!r}?" if nearest else ""
-        yield f"{name} {shown(value)}:{meant} choose {' or '.join(known)}."
 
 
 def read(form: type[Settings], data: Any) -> Settings:

@@ -15,6 +15,7 @@ from tandem.plan.door import Admitted
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.portfolio import Goal
+from tandem.plan.provers import Prover, Step, rising
 from tandem.plan.result import Bound, Result, Status
 
 Point = tuple[int, int]
@@ -41,12 +42,21 @@ LEAST_OPEN = 1e-6
 """The open area of a front of which only something beyond its frame is open."""
 
 
+class Fact(NamedTuple):
+    """Every schedule (within the question's limits) of at most this stress takes at least this
+    makespan; and who proved it.
+    """
+
+    stress: float
+    makespan: float
+    by: Prover
+
+
 class Archive:
     """Schedules that the checker has accepted, and facts.
 
-    A fact `(stress, makespan)` says: every schedule (within the question's limits) of at most this
-    stress takes at least this makespan. All bounds and proofs of a front follow from facts: a point
-    is optimal when they leave no room on either side of it.
+    All bounds and proofs of a front follow from facts: a point is optimal when they leave no room
+    on either side of it.
     """
 
     def __init__(self, cell: Cell, layout: Layout, limits: Goal) -> None:
@@ -54,9 +64,10 @@ class Archive:
         self.found: dict[Point, Admitted] = {}
         self.least_stress = least_stress(layout) or 0
         self.frame: tuple[int, int, int, int] | None = None
-        self.facts: list[tuple[float, float]] = [
-            (inf, max(chain_bound(layout), one_operator_bound(layout))),
-            (self.least_stress - 1, inf),
+        self.facts: list[Fact] = [
+            Fact(inf, chain_bound(layout), Prover.CHAIN),
+            Fact(inf, one_operator_bound(layout), Prover.LOAD),
+            Fact(self.least_stress - 1, inf, Prover.LEAST_STRESS),
         ]
 
     @property
@@ -74,11 +85,17 @@ class Archive:
         self.found[point] = schedule
         return True
 
-    def learn(self, stress: float, makespan: float) -> None:
-        """Adds a fact, unless one that is known says as much; drops those that say less."""
+    def learn(self, stress: float, makespan: float, by: Prover) -> None:
+        """Adds a fact, unless one that is known says as much; drops those of the same prover that
+        say less.
+        """
         if self.least_makespan(stress) < makespan:
-            self.facts = [(s, m) for s, m in self.facts if s > stress or m > makespan]
-            self.facts.append((stress, makespan))
+            self.facts = [
+                fact
+                for fact in self.facts
+                if fact.by != by or fact.stress > stress or fact.makespan > makespan
+            ]
+            self.facts.append(Fact(stress, makespan, by))
 
     def best(self, goal: Goal) -> Admitted | None:
         """The kept schedule of least value for the goal."""
@@ -87,13 +104,22 @@ class Archive:
 
     def least_makespan(self, stress: float) -> float:
         """Ticks; infinite when no schedule has at most this stress."""
-        return max(makespan for cap, makespan in self.facts if cap >= stress)
+        return max(fact.makespan for fact in self.facts if fact.stress >= stress)
+
+    def prover_of(self, stress: float) -> Prover:
+        """Who proved that least makespan."""
+        covering = (fact for fact in self.facts if fact.stress >= stress)
+        return max(covering, key=lambda fact: (fact.makespan, -fact.by.rank)).by
 
     def least_stress_within(self, makespan: float) -> float:
         """Units that every schedule of at most this makespan has at least; infinite when there is
         none.
         """
-        return max(cap + 1 for cap, least in self.facts if least > makespan or least == inf)
+        return max(
+            fact.stress + 1
+            for fact in self.facts
+            if fact.makespan > makespan or fact.makespan == inf
+        )
 
     @property
     def points(self) -> list[Point]:
@@ -120,9 +146,13 @@ class Archive:
 
         Between the makespans of two facts the first one's stress is too little.
         """
-        known = sorted(self.facts, key=lambda fact: fact[1])
-        corners = ((makespan, stress + 1) for (_, makespan), (stress, _) in pairwise(known))
-        return [(int(m), int(s)) for m, s in corners if self.limits.allows(int(m), int(s))]
+        known: list[Fact] = []
+        for fact in sorted(self.facts, key=lambda fact: (-fact.makespan, -fact.stress)):
+            if not known or fact.stress > known[-1].stress:  # else another one says more
+                known.append(fact)
+        corners = ((one.makespan, other.stress + 1) for other, one in pairwise(known))
+        found = [(int(m), int(s)) for m, s in corners if self.limits.allows(int(m), int(s))]
+        return found[::-1]
 
     def open_area(self) -> float:
         """The share of the front's area that is open: neither reached by what is kept nor ruled out
@@ -153,15 +183,31 @@ class Archive:
         """The kept schedules with their bounds as they stand."""
         return tuple(self.result(point) for point in self.points)
 
-    def result(self, point: Point, proven: bool | None = None) -> Result:
-        """One kept schedule; `proven` overrides what follows from the facts."""
+    def steps(self, point: Point) -> tuple[tuple[Step, ...], tuple[Step, ...]]:
+        """What each prover says of the point's makespan and of its stress, in ticks and units."""
+        makespan, stress = point
+        times = (Step(min(f.makespan, makespan), f.by) for f in self.facts if f.stress >= stress)
+        loads = (Step(min(f.stress + 1, stress), f.by) for f in self.facts if f.makespan > makespan)
+        return rising(times), rising(loads)
+
+    def result(self, point: Point, proven: Prover | bool | None = None) -> Result:
+        """One kept schedule; `proven`, or by whom, overrides what follows from the facts."""
         instance = self.instance
         makespan = min(self.least_makespan(point[1]), point[0])
         stress = min(self.least_stress_within(point[0]), point[1])
         optimal = (makespan, stress) == point if proven is None else proven
+        times, loads = self.steps(point)
         if optimal:
             makespan, stress = point
-        bound = Bound(instance.seconds(int(makespan)), instance.stress(int(stress)))
+            by = proven if isinstance(proven, Prover) else Prover.CP_SAT
+            times = rising([*times, Step(makespan, by)])
+            loads = rising([*loads, Step(stress, by)])
+        bound = Bound(
+            instance.seconds(int(makespan)),
+            instance.stress(int(stress)),
+            tuple(Step(instance.seconds(int(value)), by) for value, by in times),
+            tuple(Step(instance.stress(int(value)), by) for value, by in loads),
+        )
         return Result(
             self.cell,
             self.found[point].schedule,

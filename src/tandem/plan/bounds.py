@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 from tandem.plan.list_scheduling import Layout
+from tandem.plan.provers import Prover, Step, rising
+from tandem.plan.result import Bound
 
 
 def least_makespan(layout: Layout) -> int:
@@ -16,6 +18,31 @@ def least_makespan(layout: Layout) -> int:
     all shared out at its best.
     """
     return max(chain_bound(layout), one_operator_bound(layout), load_bound(layout))
+
+
+def closed_forms(layout: Layout) -> tuple[Step, ...]:
+    """The parts of `least_makespan`, ticks, each with its name, as far as it says more than those
+    before.
+    """
+    return rising(
+        [
+            Step(chain_bound(layout), Prover.CHAIN),
+            Step(one_operator_bound(layout), Prover.LOAD),
+            Step(load_bound(layout), Prover.SHARED),
+        ]
+    )
+
+
+def reckoned(layout: Layout) -> Bound:
+    """What holds of every schedule of the cell and needs no search."""
+    instance, times = layout.instance, closed_forms(layout)
+    stress = instance.stress(least_stress(layout) or 0)
+    return Bound(
+        instance.seconds(int(times[-1].value)),
+        stress,
+        tuple(Step(instance.seconds(int(ticks)), by) for ticks, by in times),
+        (Step(stress, Prover.LEAST_STRESS),),
+    )
 
 
 @dataclass(frozen=True)
@@ -79,6 +106,22 @@ def chain_bound(layout: Layout) -> int:
     return max(head + tail for head, tail in zip(heads(layout), layout.tail, strict=True))
 
 
+def longest_chain(layout: Layout) -> list[int]:
+    """The tasks, in order, of a chain that takes as long as `chain_bound` says."""
+    instance, head = layout.instance, heads(layout)
+    length = chain_bound(layout)
+    left = [task for task, ticks in enumerate(head) if ticks + layout.tail[task] == length]
+    chain = left and [min(left, key=head.__getitem__)]
+    while chain:
+        last = chain[-1]
+        followers = {*instance.behind[last], *(lag.task for lag in instance.lags_from[last])}
+        later = [task for task in left if task in followers and head[task] > head[last]]
+        if not later:
+            break
+        chain.append(min(later, key=head.__getitem__))
+    return chain
+
+
 def heads(layout: Layout) -> list[int]:
     """Per task, ticks before which it cannot start.
 
@@ -100,14 +143,28 @@ def one_operator_bound(layout: Layout) -> int:
     """Ticks: for each operator, the tasks that only they can do or take part in, one at a time,
     between their heads and tails.
     """
-    head, best = heads(layout), 0
-    for operator in range(len(layout.instance.operators)):
-        jobs = []
-        for task, row in enumerate(layout.steps):
-            if row and all(operator in step.operators for step in row):
-                jobs.append((head[task], layout.quickest[task], layout.behind[task]))
-        best = max(best, preemptive(jobs))
-    return best
+    return max(own_loads(layout), default=0)
+
+
+def own_loads(layout: Layout) -> list[int]:
+    """The same for each operator."""
+    head = heads(layout)
+    return [
+        preemptive([(head[task], layout.quickest[task], layout.behind[task]) for task in mine])
+        for mine in own_work(layout)
+    ]
+
+
+def own_work(layout: Layout) -> list[list[int]]:
+    """Per operator, the tasks that only they can do or take part in."""
+    return [
+        [
+            task
+            for task, row in enumerate(layout.steps)
+            if row and all(operator in step.operators for step in row)
+        ]
+        for operator in range(len(layout.instance.operators))
+    ]
 
 
 def preemptive(jobs: Sequence[tuple[int, int, int]]) -> int:

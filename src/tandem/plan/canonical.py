@@ -34,12 +34,12 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from tandem.plan.bounds import least_makespan, least_stress
+from tandem.plan.bounds import reckoned
 from tandem.plan.cpsat import ALLOCATION, SOLVER, Decisions, Rule, formulate
 from tandem.plan.door import Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
-from tandem.plan.result import Bound, Front, Result, Status
+from tandem.plan.result import Front, Result, Status
 from tandem.plan.starts import Starts, appended, list_schedule, measures, moved_up
 from tandem.schedule.measures import exact
 
@@ -104,16 +104,13 @@ def settled(front: Front, *, until: float | None, workers: int) -> Front:
     if last_step.door.refused:
         warnings.warn(last_step.door.apology(), RefusedScheduleWarning, stacklevel=3)
         # what the same model proved is not believed any more
-        return _unproven(front, layout) if front.solver == SOLVER else front
+        return unproven(front) if front.solver == SOLVER else front
     return front
 
 
-def _unproven(front: Front, layout: Layout) -> Front:
+def unproven(front: Front) -> Front:
     """The front with nothing proven but what needs no search."""
-    bound = Bound(
-        layout.instance.seconds(least_makespan(layout)),
-        layout.instance.stress(least_stress(layout) or 0),
-    )
+    bound = reckoned(Layout.of(Instance.of(front.cell)))
     results = (replace(result, status=Status.FEASIBLE, bound=bound) for result in front)
     return replace(front, results=tuple(results), complete=False)
 

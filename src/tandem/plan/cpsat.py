@@ -585,6 +585,14 @@ RULES: tuple[Rule, ...] = (
     work_before_and_behind_a_task_fits,
 )
 
+IMPLIED: tuple[Rule, ...] = (
+    the_work_of_an_operator_fits_before_the_end,
+    work_before_and_behind_a_task_fits,
+)
+"""The rules that follow from the others: where the load decides they are the proof, elsewhere they
+slow the search down.
+"""
+
 ALLOCATION: tuple[Rule, ...] = (
     a_human_stays_within_the_stress_limit,
     some_tasks_have_the_same_operators,

@@ -27,11 +27,13 @@ from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Hint, Progress, schedules_in
+from tandem.plan.provers import Prover, Step
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts
 from tandem.plan.weights import whole
 from tandem.schedule.measures import exact
+from tandem.schedule.model import Schedule
 
 MOST_NODES = 1_000_000
 """Nodes kept at once before the search gives up as if its time had run out: about 1 GiB."""
@@ -138,7 +140,9 @@ class Best:
 
 
 class ExhaustiveSearch:
-    """One search: what is known, and the nodes that are still open."""
+    """One search: what is known, and the nodes that are still open. `states` counts those that were
+    taken a task further.
+    """
 
     def __init__(
         self,
@@ -164,6 +168,7 @@ class ExhaustiveSearch:
         self.level = [self.moves.root()]
         self.kept: dict[Key, list[tuple[tuple[int, ...], Node]]] = {}
         self.done = False
+        self.states = 0
         self.nodes_left = None if work is None else round(work * NODES_A_SECOND)
 
     def begin(self, seed: int, hint: Hint) -> None:
@@ -171,7 +176,7 @@ class ExhaustiveSearch:
         question.
         """
         for schedule in schedules_in(hint):
-            self._take(self.door.hinted(schedule))
+            self.know(schedule)
         specs = ("balanced", "weighted")
         states = chain.from_iterable(
             attempts(
@@ -184,6 +189,10 @@ class ExhaustiveSearch:
                 self._take(self.door.admit(state.starts()))
             if self.is_late and self.best.found:
                 return
+
+    def know(self, schedule: Schedule) -> None:
+        """Begins with this schedule too, if it answers the question."""
+        self._take(self.door.hinted(schedule))
 
     def run(self) -> None:
         """Level by level, one task more each, until nothing is open or time is up."""
@@ -204,6 +213,7 @@ class ExhaustiveSearch:
         while self.level:
             if count > MOST_NODES or self.is_late or self.nodes_left == 0:
                 return False
+            self.states += 1
             if self.nodes_left is not None:
                 self.nodes_left -= 1
             for child in self.moves.children(self.level[-1], self.most_ticks):
@@ -234,10 +244,15 @@ class ExhaustiveSearch:
                     self.cell,
                     kept.schedule,
                     status,
-                    Bound(self.instance.seconds(time), self.instance.stress(load)),
+                    self._bound(time, load),
                 )
             )
         return tuple(results)
+
+    def _bound(self, ticks: int, units: int) -> Bound:
+        by = Prover.DYNAMIC
+        seconds, stress = self.instance.seconds(ticks), self.instance.stress(units)
+        return Bound(seconds, stress, (Step(seconds, by),), (Step(stress, by),))
 
     def wall_s(self) -> float:
         """Since the search began, seconds."""

@@ -28,6 +28,7 @@ from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Hint, Progress, schedules_in
 from tandem.plan.portfolio import SMALL, Effort, Goal, GoalStatus, Meter, Race
+from tandem.plan.provers import Prover, Step
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
@@ -109,7 +110,7 @@ class _Search:
         self.door = Door(cell, self.instance, question)
         self.archive = Archive(cell, self.layout, self.limits)
         self.infeasible = False
-        self.optimal = False
+        self.optimal: Prover | bool = False
         # of a front all is open until the first schedules and bounds set its frame
         self.open = 1.0 if question.minimize == "front" else None
 
@@ -128,7 +129,7 @@ class _Search:
         if self.instance.stress_of_set is None:
             self._by_rule("longest-tail", random, None)
             bound, prices = load_prices(self.layout)
-            self._note(inf, bound)
+            self._note(inf, bound, Prover.SHARED)
             for name in ("balanced", *(name for name in SPECS if name not in SAMPLING)):
                 if self.archive.found and self._is_late():
                     return
@@ -228,11 +229,15 @@ class _Search:
         if self.question.minimize == "front":
             return self.archive.results()
         best = min(self.archive.points, key=self._rank)
-        result = self.archive.result(best, proven=True if self.optimal else None)
+        result = self.archive.result(best, proven=self.optimal or None)
         if self.question.minimize == "weighted" and not self.optimal:
+            makespan = self.instance.seconds(int(self.archive.least_makespan(inf)))
+            stress = self.instance.stress(self.archive.least_stress)
             low = Bound(
-                self.instance.seconds(int(self.archive.least_makespan(inf))),
-                self.instance.stress(self.archive.least_stress),
+                makespan,
+                stress,
+                (Step(makespan, self.archive.prover_of(inf)),),
+                (Step(stress, Prover.LEAST_STRESS),),
             )
             result = Result(self.cell, result.schedule, Status.FEASIBLE, low)
         return (result,)
@@ -258,22 +263,23 @@ class _Search:
         factor = self._most_stress() + 1
         if len(self.instance.tasks) <= SMALL and self._can_count(Goal(factor, 1)):
             both = self._race(Goal(factor, 1, limits.max_makespan, cap))
-            if both.starts is None:
-                self._note(top, inf if both.proven else both.bound // factor)
-                return both
-            makespan, stress = self._point(both.starts)
-            self._note(top, both.bound // factor)
-            if both.proven:
-                self._note(stress - 1, makespan + 1)
+            for bound, by in both.steps:
+                self._note(top, bound // factor, by)
+            if both.starts is not None and both.proven:
+                makespan, stress = self._point(both.starts)
+                self._note(stress - 1, makespan + 1, both.by)
+            elif both.proven:
+                self._note(top, inf, both.by)
             return both
         first = self._race(Goal(1, 0, limits.max_makespan, cap))
         if first.starts is None:
-            self._note(top, inf if first.proven else first.bound)
+            if first.proven:
+                self._note(top, inf, first.by)
             return first
-        self._note(top, first.bound)
         makespan = self._point(first.starts)[0]
         second = self._race(Goal(0, 1, makespan, cap))
-        self._note(second.bound - 1, makespan + 1)
+        for bound, by in second.steps:
+            self._note(bound - 1, makespan + 1, by)
         return GoalStatus(second.starts, first.bound, first.proven and second.proven)
 
     def _lexicographic(self) -> None:
@@ -285,10 +291,10 @@ class _Search:
         else:
             first = self._race(Goal(0, 1, limits.max_makespan, limits.max_stress))
             if first.starts is not None:
-                self._note(first.bound - 1, inf)
+                for bound, by in first.steps:
+                    self._note(bound - 1, inf, by)
                 stress = self._point(first.starts)[1]
                 best = self._race(Goal(1, 0, limits.max_makespan, stress))
-                self._note(stress, best.bound)
                 self.optimal = first.proven and best.proven
             best = first
         self.infeasible = best.starts is None and best.proven
@@ -316,7 +322,7 @@ class _Search:
             self.optimal = self.archive.complete
             return None
         answer = self._race(replace(self.limits, time=time, stress=stress))
-        self.optimal = answer.proven
+        self.optimal = answer.proven and answer.by
         self.infeasible = answer.starts is None and answer.proven
         return None
 
@@ -338,7 +344,7 @@ class _Search:
         top = inf if goal.max_stress is None else goal.max_stress
         floor = self.archive.least_makespan(top)
         if floor == inf or (goal.max_makespan is not None and floor > goal.max_makespan):
-            return GoalStatus(None, 0, True)
+            return GoalStatus(None, 0, True, by=self.archive.prover_of(top))
         stress = (
             self.archive.least_stress
             if goal.max_makespan is None
@@ -351,7 +357,8 @@ class _Search:
             return race.run()
         finally:
             if goal.stress == 0:
-                self._note(top, race.bound)
+                for bound, by in race.answer.steps:
+                    self._note(top, bound, by)
 
     def _effort(self) -> Effort:
         return Effort(
@@ -362,8 +369,8 @@ class _Search:
             meter=self.meter,
         )
 
-    def _note(self, stress: float, makespan: float) -> None:
-        self.archive.learn(stress, makespan)
+    def _note(self, stress: float, makespan: float, by: Prover) -> None:
+        self.archive.learn(stress, makespan, by)
 
     def _offer(self, schedule: Admitted | None) -> None:
         if schedule is not None and self.archive.offer(schedule):

@@ -4,9 +4,11 @@ kept, each confirmed by planning without it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from time import monotonic
+from typing import Any
 
 from ortools.sat.python import cp_model
 
@@ -15,7 +17,7 @@ from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan import exact
 from tandem.plan.change_terms import rules
 from tandem.plan.cpsat import formulate
-from tandem.plan.infeasible import reasons
+from tandem.plan.infeasible import Core, Limit, infeasible, minimal_core
 from tandem.plan.question import Question
 from tandem.plan.standing import Standing
 
@@ -25,84 +27,143 @@ ALL_S = 20.0
 """Seconds for all of them."""
 
 
-def in_the_way(standing: Standing) -> tuple[str, list[str]]:
-    """What is said when no plan exists, and the reasons: the cell's own limits where they leave
-    none, else the tasks to keep that cannot all stay (a deletion filter, as in `plan.infeasible`),
-    else the limits that what is done and has started no longer lets be kept.
+def in_the_way(standing: Standing) -> InfeasibleError:
+    """What is said when no plan exists: the cell's own limits where they leave none, else the tasks
+    to keep that cannot all stay, else the limits that what is done and has started no longer lets
+    be kept; each time a minimal set (`infeasible.minimal_core`), as far as time allows.
     """
     if not _cell_has_a_plan(standing):
-        return (
-            "no schedule keeps the cell's own limits; this is proven.",
-            reasons(standing.cell, Question()),
-        )
+        own = "no schedule keeps the cell's own limits; this is proven."
+        return infeasible(own, standing.cell, Question())
     what = "no plan leaves what is done, started or kept where it is; this is proven."
     until = monotonic() + ALL_S
     kept = [task for task, fixed in standing.fixed.items() if fixed.why == "kept"]
     if kept and _has_a_plan(standing.freed(kept)):
-        return what, list(_cannot_stay(standing, kept, until))
-    return what, list(_no_longer_kept(standing.freed(kept), until))
+        return InfeasibleError(what, *_cannot_stay(standing, kept, until))
+    return InfeasibleError(what, *_no_longer_kept(standing.freed(kept), until))
 
 
-def _cannot_stay(standing: Standing, kept: list[int], until: float) -> Iterator[str]:
-    """The smallest group of tasks to keep that cannot all stay, and what leaving out each would
-    give.
-    """
-    group = list(kept)
-    for task in kept:
-        rest = [other for other in group if other != task]
-        freed = standing.freed([other for other in kept if other not in rest])
-        if monotonic() < until and _has_a_plan(freed) is False:
-            group = rest
-    words = [standing.words(task) for task in group]
-    if len(words) == 1:
-        yield f"{words[0]} cannot stay where it is."
-    else:
-        yield f"{', '.join(words[:-1])} and {words[-1]} cannot all stay where they are."
-    for task in group:
-        if monotonic() < until and _has_a_plan(standing.freed([task])):
-            yield f"Without --keep {standing.stated.tasks[task]} there is a plan."
+def _cannot_stay(
+    standing: Standing, kept: list[int], until: float
+) -> tuple[list[str], dict[str, Any]]:
+    """The tasks to keep that cannot all stay, and what leaving out each would give."""
+    names = standing.stated.tasks
+    limits = [Limit(standing.words(task), ("keep", names[task])) for task in kept]
+    tasks = dict(zip(limits, kept, strict=True))
+
+    def possible(some: Sequence[Limit]) -> bool | None:
+        left_out = [tasks[limit] for limit in limits if limit not in some]
+        return _has_a_plan(standing.freed(left_out)) if monotonic() < until else None
+
+    core = minimal_core(limits, possible)
+    words = [limit.words for limit in core.items]
+    together = (
+        f"{words[0]} cannot stay where it is."
+        if len(words) == 1
+        else f"{', '.join(words[:-1])} and {words[-1]} cannot all stay where they are."
+    )
+    helping = _helping(core, lambda limit: standing.freed([tasks[limit]]), until)
+    said = [f"Without --keep {x.where[-1]} there is a plan." for x, helps in helping if helps]
+    return [together, *core.doubt(), *said], _document(core, helping)
 
 
-def _no_longer_kept(standing: Standing, until: float) -> Iterator[str]:
-    """The limits without one of which there would be a plan, although nothing is kept."""
-    stated, found = standing.stated, False
+def _no_longer_kept(standing: Standing, until: float) -> tuple[list[str], dict[str, Any] | None]:
+    """The limits that can no longer be kept together, although nothing is kept."""
+    stated, lifts = standing.stated, dict(_liftable(standing))
     begun = [standing.words(task) for task in standing.fixed]
     moment = number(stated.seconds(standing.now))
     after = f" after {', '.join(begun)}" if begun else ""
-    yield f"What has not begun cannot begin at {moment} s or later and keep all limits{after}."
-    for words, lifted in _lifted(standing):
-        if monotonic() < until and _has_a_plan(lifted):
-            found = True
-            yield f"Without {words} there is a plan."
-    if not found:
-        yield "No single deadline, wait or stress limit can be lifted so that there is a plan."
+    what = f"What has not begun cannot begin at {moment} s or later and keep all limits{after}."
+
+    def without(some: Iterable[Limit]) -> Standing:
+        left = standing
+        for limit in some:
+            left = lifts[limit](left)
+        return left
+
+    def possible(some: Sequence[Limit]) -> bool | None:
+        lifted = without(limit for limit in lifts if limit not in some)
+        return _has_a_plan(lifted) if monotonic() < until else None
+
+    core = minimal_core(list(lifts), possible)
+    if not core.items:
+        none = "No deadline, wait or stress limit can be lifted so that there is a plan."
+        return [what, none], None
+    words = [limit.words for limit in core.items]
+    together = (
+        f"{words[0]} cannot be kept any more."
+        if len(words) == 1
+        else f"{', '.join(words[:-1])} and {words[-1]} cannot be kept together any more."
+    )
+    helping = _helping(core, lambda limit: without([limit]), until)
+    said = [f"Without {limit.words} there is a plan." for limit, helps in helping if helps]
+    alone = [] if said else ["Lifting one of them alone does not help."]
+    return [what, together, *core.doubt(), *said, *alone], _document(core, helping)
 
 
-def _lifted(standing: Standing) -> Iterator[tuple[str, Standing]]:
-    """Each limit in words, and how things stand without it."""
+def _helping(
+    core: Core, without: Callable[[Limit], Standing], until: float
+) -> list[tuple[Limit, bool | None]]:
+    """Whether there is a plan without each of the limits alone; None when time was too short."""
+    return [
+        (limit, _has_a_plan(without(limit)) if monotonic() < until else None)
+        for limit in core.items
+    ]
+
+
+def _document(core: Core, helping: Iterable[tuple[Limit, bool | None]]) -> dict[str, Any]:
+    """As `infeasible.Conflict` holds it; what a plan without a limit is worth is not asked."""
+    without = [{**limit.to_dict(), "helps": helps} for limit, helps in helping]
+    return {**core.to_dict(), "least": [], "without": without}
+
+
+Lift = Callable[[Standing], Standing]
+
+
+def _liftable(standing: Standing) -> Iterator[tuple[Limit, Lift]]:
+    """Each limit, and what takes it off."""
     stated = standing.stated
     for task, deadline in enumerate(stated.deadline):
         if deadline is not None and task not in standing.fixed:
-            rest = (*stated.deadline[:task], None, *stated.deadline[task + 1 :])
-            free = replace(standing, stated=replace(stated, deadline=rest))
             seconds = number(stated.seconds(deadline))
-            yield f"the deadline of task {stated.tasks[task]} ({seconds} s)", free
+            words = f"the deadline of task {stated.tasks[task]} ({seconds} s)"
+            where = ("tasks", stated.tasks[task], "deadline")
+            yield Limit(words, where), partial(_without_deadline, task)
     for place, lag in enumerate(stated.lags):
         if lag.most is not None and lag.task not in standing.fixed:
-            kept = (*stated.lags[:place], lag._replace(most=None), *stated.lags[place + 1 :])
-            free = replace(standing, stated=replace(stated, lags=kept))
             first, seconds = stated.tasks[lag.before], number(stated.seconds(lag.most))
-            yield (
+            words = (
                 f"the wait of task {stated.tasks[lag.task]} (at most {seconds} s after task"
-                f" {first} has {'started' if lag.from_start else 'ended'})",
-                free,
+                f" {first} has {'started' if lag.from_start else 'ended'})"
             )
+            wait = ("tasks", stated.tasks[lag.task], "wait", first, "at_most")
+            yield Limit(words, wait), partial(_without_wait, place)
     for operator, limit in enumerate(stated.stress_limit):
         if limit is not None:
-            limits = (*stated.stress_limit[:operator], None, *stated.stress_limit[operator + 1 :])
-            free = replace(standing, stated=replace(stated, stress_limit=limits))
             stress = number(stated.stress(limit))
-            yield f"the stress limit of {stated.operators[operator]} ({stress})", free
+            words = f"the stress limit of {stated.operators[operator]} ({stress})"
+            at = ("operators", stated.operators[operator], "stress_limit")
+            yield Limit(words, at), partial(_without_stress_limit, operator)
+
+
+def _without_deadline(task: int, standing: Standing) -> Standing:
+    deadlines = _with_none(standing.stated.deadline, task)
+    return replace(standing, stated=replace(standing.stated, deadline=deadlines))
+
+
+def _without_wait(place: int, standing: Standing) -> Standing:
+    lags = standing.stated.lags
+    kept = (*lags[:place], lags[place]._replace(most=None), *lags[place + 1 :])
+    return replace(standing, stated=replace(standing.stated, lags=kept))
+
+
+def _without_stress_limit(operator: int, standing: Standing) -> Standing:
+    limits = _with_none(standing.stated.stress_limit, operator)
+    return replace(standing, stated=replace(standing.stated, stress_limit=limits))
+
+
+def _with_none(limits: tuple[int | None, ...], place: int) -> tuple[int | None, ...]:
+    return (*limits[:place], None, *limits[place + 1 :])
 
 
 def _cell_has_a_plan(standing: Standing) -> bool:

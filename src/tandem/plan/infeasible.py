@@ -1,24 +1,23 @@
-"""Why no schedule exists, in the cell's own words: the smallest group of limits that cannot be kept
+"""Why no schedule exists, in the cell's own words: a minimal set of limits that cannot be kept
 together, each confirmed by planning anew.
 
-Limits are lifted one after the other as a user would: by leaving a key out of the cell or an option
-out of the call. What is found is therefore something the user can do, and not a statement about a
-model (a deletion filter: Chinneck and Dravnieks 1991, ORSA Journal on Computing 3(2), 157-168).
+Limits are lifted as a user would: by leaving a key out of the cell or an option out of the call.
+What is found is therefore something the user can do, and not a statement about a model.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import monotonic
-from typing import Any
+from typing import Any, NamedTuple
 
-from tandem.cell.model import Cell
+from tandem.cell.model import Cell, plain
 from tandem.cell.parts import Operator, Task, Tool, Wait, Zone
 from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
-from tandem.plan.least_limits import least_limit
+from tandem.plan.least_limits import first_schedule, least_limit
 from tandem.plan.question import Question
 
 EACH_S = 5.0
@@ -37,25 +36,186 @@ class Limit:
     words: str
     where: tuple[str, ...]
 
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {"words": self.words, "where": list(self.where)}
 
-def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[str]:
-    """Sentences: the limits that cannot be kept together, and what lifting each one of them would
-    give. Empty when there is no limit to lift.
 
-    Every sentence that says "without it there is a schedule" was found by planning without it.
+class Core(NamedTuple):
+    """Limits that cannot be kept together.
+
+    Attributes:
+      needed: per limit, whether the others alone have been shown to be possible. Where all are, the
+        set is minimal; otherwise time was too short to tell.
+    """
+
+    items: tuple[Limit, ...]
+    needed: tuple[bool, ...]
+
+    @property
+    def is_minimal(self) -> bool:
+        """Each of them was shown to be needed."""
+        return all(self.needed)
+
+    def doubt(self) -> list[str]:
+        """A sentence about those that were not shown to be needed, where there are any."""
+        words = [x.words for x, needed in zip(self.items, self.needed, strict=True) if not needed]
+        if not words:
+            return []
+        return [f"There was no time to show that this needs {' and '.join(words)}: fewer may do."]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a document holds it."""
+        return {
+            "together": [
+                {**limit.to_dict(), "needed": needed}
+                for limit, needed in zip(self.items, self.needed, strict=True)
+            ],
+            "minimal": self.is_minimal,
+        }
+
+
+def minimal_core(
+    items: Sequence[Limit], possible: Callable[[Sequence[Limit]], bool | None]
+) -> Core:
+    """Of limits that cannot all be kept together, a set that cannot either and would not be one
+    without any of its members.
+
+    They are left out from the first to the last as long as the rest stays impossible (the deletion
+    filter of Chinneck and Dravnieks 1991, ORSA Journal on Computing 3(2), 157-168); of many
+    first whole blocks are, then halves of those. What was needed among more is needed among
+    fewer.
+
+    Args:
+      possible: whether these can be kept together, all others left out; None when that is
+        not known, and then nothing is concluded.
+    """
+    kept, size = list(items), max(1, len(items) // 2)
+    known: dict[Limit, bool | None] = {}
+    while True:
+        place = 0
+        while place < len(kept):
+            rest = [*kept[:place], *kept[place + size :]]
+            answer = possible(rest)
+            if answer is False:
+                kept = rest
+                continue
+            if size == 1:
+                known[kept[place]] = answer
+            place += size
+        if size == 1:
+            return Core(tuple(kept), tuple(known[limit] is True for limit in kept))
+        size //= 2
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What planning without one limit gives: a schedule's makespan and stress; None when there is
+    none, or none was found in time.
+    """
+
+    limit: Limit
+    makespan: float | None
+    stress: float | None
+
+    def sentence(self) -> str:
+        """In words."""
+        if self.makespan is None or self.stress is None:
+            return f"Lifting {self.limit.words} alone does not help."
+        return (
+            f"Without {self.limit.words} it works: {number(self.makespan)} s with a stress of"
+            f" {number(self.stress)}."
+        )
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Limits that cannot be kept together, and what lifting each one of them would give.
+
+    Attributes:
+      core: the limits, and which of them were shown to be needed.
+      least: people -> the least limit of stress that all of them can keep at once, and who keeps
+        their own limit meanwhile.
+      gains: per limit. One that is needed in the set may not help alone, where other limits
+        contradict each other too.
+    """
+
+    core: Core
+    least: tuple[LeastLimit, ...]
+    gains: tuple[Gain, ...]
+
+    def sentences(self) -> list[str]:
+        """In words. Each that says "without it there is a schedule" was found by planning so."""
+        names = [limit.words for limit in self.core.items]
+        together = (
+            f"{names[0]} cannot be kept."
+            if len(names) == 1
+            else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together."
+        )
+        least = [one.sentence() for one in self.least]
+        return [together, *self.core.doubt(), *least, *(gain.sentence() for gain in self.gains)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The `infeasible` of a document."""
+        return {
+            **self.core.to_dict(),
+            "least": [one.to_dict() for one in self.least],
+            "without": [
+                {
+                    **gain.limit.to_dict(),
+                    "helps": gain.makespan is not None,
+                    "makespan": plain(gain.makespan),
+                    "stress": plain(gain.stress),
+                }
+                for gain in self.gains
+            ],
+        }
+
+
+@dataclass(frozen=True)
+class LeastLimit:
+    """The least limit of stress that these people can keep at once, `beside` naming the limits that
+    others keep.
+    """
+
+    people: tuple[str, ...]
+    limit: float
+    beside: str
+
+    def sentence(self) -> str:
+        """In words."""
+        who = "each of them" if len(self.people) > 1 else self.people[0]
+        return f"The least limit that {who} can keep{self.beside} is {number(self.limit)}."
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {"people": list(self.people), "stress_limit": plain(self.limit)}
+
+
+def conflict(cell: Cell, question: Question, *, seconds: float = 30.0) -> Conflict | None:
+    """The limits that cannot be kept together, and what lifting each would give; None when lifting
+    all limits would not help. Assumes that no schedule keeps them all.
     """
     until = monotonic() + seconds
-    group = _minimal(cell, question, list(limits(cell, question)), until)
-    if not group:
-        return []
-    names = [limit.words for limit in group]
-    together = (
-        f"{names[0]} cannot be kept"
-        if len(names) == 1
-        else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together"
-    )
-    least = _least_stress_limits(cell, question, group, until)
-    return [f"{together}.", *least, *(_without(cell, question, limit) for limit in group)]
+    everything = list(limits(cell, question))
+
+    def possible(kept: Sequence[Limit]) -> bool | None:
+        lifted = [limit for limit in everything if limit not in kept]
+        return _possible(cell, question, lifted, until) if monotonic() < until else None
+
+    core = minimal_core(everything, possible)
+    if not core.items:
+        return None
+    least = _least_stress_limits(cell, question, core.items, until)
+    return Conflict(core, tuple(least), tuple(_gain(cell, question, x) for x in core.items))
+
+
+def infeasible(message: str, cell: Cell, question: Question) -> InfeasibleError:
+    """The error that says why nothing answers the question."""
+    found = conflict(cell, question)
+    if found is None:
+        return InfeasibleError(message)
+    return InfeasibleError(message, found.sentences(), found.to_dict())
 
 
 KEEP_AWAY = ("breaks", "setup")
@@ -200,20 +360,17 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
 
 def _least_stress_limits(
     cell: Cell, question: Question, group: Sequence[Limit], until: float
-) -> list[str]:
+) -> Iterator[LeastLimit]:
     """Of people's limits of stress in the group: the least that all of them can keep alike, and the
     least of each beside those of the others.
     """
     people = [limit.where[1] for limit in group if limit.where[-1] == "stress_limit"]
-    sentences = []
     for some in [*([people] if len(people) > 1 else []), *([name] for name in people)]:
         left = min(EACH_S, until - monotonic())
         least = least_limit(cell, question, some, seconds=left) if left > 0 else None
         if least is not None:
-            who = "each of them" if len(some) > 1 else some[0]
-            beside = "" if len(some) > 1 else _beside(cell, people, who)
-            sentences.append(f"The least limit that {who} can keep{beside} is {number(least)}.")
-    return sentences
+            beside = "" if len(some) > 1 else _beside(cell, people, some[0])
+            yield LeastLimit(tuple(some), least, beside)
 
 
 def _beside(cell: Cell, people: Sequence[str], name: str) -> str:
@@ -225,29 +382,13 @@ def _beside(cell: Cell, people: Sequence[str], name: str) -> str:
     return f" with {' and '.join(others)}" if others else ""
 
 
-def _minimal(cell: Cell, question: Question, group: list[Limit], until: float) -> list[Limit]:
-    """A group of limits that is infeasible on its own and would not be without any one of its
-    members, as far as time allows.
-    """
-    everything = list(group)
-    kept = list(everything)
-    for limit in everything:
-        rest = [other for other in kept if other is not limit]
-        lifted = [other for other in everything if other not in rest]
-        if monotonic() < until and _possible(cell, question, lifted, until) is False:
-            kept = rest
-    return kept
-
-
 def _possible(cell: Cell, question: Question, lifted: Sequence[Limit], until: float) -> bool | None:
-    """Whether there is a schedule without these limits; None when time was too short to tell."""
+    """Whether there is a schedule without these limits; None when time was too short to tell. The
+    first one that is found is enough.
+    """
     try:
         variant, asked = lift(cell, question, lifted)
-        exact.solve(
-            variant,
-            replace(asked, minimize="stress" if asked.max_stress is not None else "makespan"),
-            time_limit=min(EACH_S, max(until - monotonic(), 0.2)),
-        )
+        first_schedule(variant, asked, min(EACH_S, max(until - monotonic(), 0.2)))
     except InfeasibleError:
         return False
     except (NothingFoundError, CellError):
@@ -255,14 +396,11 @@ def _possible(cell: Cell, question: Question, lifted: Sequence[Limit], until: fl
     return True
 
 
-def _without(cell: Cell, question: Question, limit: Limit) -> str:
+def _gain(cell: Cell, question: Question, limit: Limit) -> Gain:
     """What is gained by lifting this one limit, found by planning without it."""
     try:
         variant, asked = lift(cell, question, [limit])
         result = exact.solve(variant, replace(asked, minimize="makespan"), time_limit=EACH_S)[0]
     except (InfeasibleError, NothingFoundError, CellError):
-        return f"Lifting {limit.words} alone does not help."
-    return (
-        f"Without {limit.words} it works: {number(result.makespan)} s with a stress of"
-        f" {number(result.stress)}."
-    )
+        return Gain(limit, None, None)
+    return Gain(limit, result.makespan, result.stress)

@@ -27,15 +27,16 @@ from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number
-from tandem.errors import InfeasibleError, NothingFoundError, UsageError
-from tandem.plan.bounds import least_makespan
+from tandem.errors import NothingFoundError, UsageError
+from tandem.plan.bounds import closed_forms, least_makespan
 from tandem.plan.change_terms import Aim, rules, what_changes
 from tandem.plan.cpsat import SOLVER, Decisions, formulate
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.in_the_way import in_the_way
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
-from tandem.plan.portfolio import Effort, Goal, GoalStatus, Race
+from tandem.plan.portfolio import LEAST_SPENT, Effort, Goal, GoalStatus, Meter, Race
+from tandem.plan.provers import Prover, Step, rising
 from tandem.plan.question import Question
 from tandem.plan.replanned import Optimum, Replan, Replanned
 from tandem.plan.result import Bound, Status
@@ -70,6 +71,7 @@ def replan(
     tolerance: float = TOLERANCE_S,
     front: bool = False,
     time_limit: float | None = 60.0,
+    work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
     on_solution: Callable[[Progress], None] | None = None,
@@ -93,7 +95,7 @@ def replan(
       tolerance: seconds by which a start may move and still be the same.
       front: for each number of changed tasks the least makespan, within the limit on stress, from
         as few as there can be.
-      time_limit, seed, workers, on_solution: as in `tandem.plan`.
+      time_limit, work, seed, workers, on_solution: as in `tandem.plan`.
 
     Raises:
       UsageError: with everything that is wrong in the call.
@@ -101,11 +103,13 @@ def replan(
         in the way.
       NothingFoundError: none was found within the limit.
     """
-    _check(allow, tolerance, time_limit, workers)
+    _check(allow, tolerance, time_limit, work, workers)
     standing = stand(cell, before, done=done, at=at, keep=keep)
     told = _stress_of(standing) if stress is None else stress
-    until = None if time_limit is None else monotonic() + time_limit
-    effort = Effort(until, seed, workers or os.cpu_count() or 1)
+    until = None if work is not None or time_limit is None else monotonic() + time_limit
+    meter = None if work is None else Meter(work)
+    threads = 1 if meter is not None else workers or os.cpu_count() or 1
+    effort = Effort(until, seed, threads, meter=meter)
     search = _Search(standing, told, allow, tolerance, front, effort, on_solution)
     interrupted = False
     try:
@@ -120,7 +124,13 @@ def replan(
     return search.answer(interrupted)
 
 
-def _check(allow: float, tolerance: float, time_limit: float | None, workers: int | None) -> None:
+def _check(
+    allow: float,
+    tolerance: float,
+    time_limit: float | None,
+    work: float | None,
+    workers: int | None,
+) -> None:
     wrong = [
         f"{name} {number(value)}: must be a number, 0 or more."
         for name, value in (("allow", allow), ("tolerance", tolerance))
@@ -128,6 +138,8 @@ def _check(allow: float, tolerance: float, time_limit: float | None, workers: in
     ]
     if time_limit is not None and not time_limit > 0:
         wrong.append(f"time limit {time_limit}: must be more than 0 seconds.")
+    if work is not None and not 0 < work < math.inf:
+        wrong.append(f"work {work}: must be a number of more than 0.")
     if workers is not None and workers < 1:
         wrong.append(f"workers {workers}: must be 1 or more.")
     if wrong:
@@ -283,18 +295,22 @@ class _Search:
         self.floor = max(self.floor, quickest.bound)
 
     def _race(self, goal: Goal) -> GoalStatus:
-        left = self.effort.left()
+        left, meter = self.effort.left(), self.effort.meter
+        share = None if meter is None else Meter(SHARE * meter.left)
         effort = Effort(
             None if self.effort.until is None else monotonic() + max(SHARE * left, min(left, 0.5)),
             self.effort.seed,
             self.effort.workers,
             lambda schedule, bound: self._offer(schedule),
+            meter=share,
         )
         fit = [known.admitted for known in self.known.values() if goal.allows(*_point(known))]
         best = min(fit, key=lambda admitted: goal.value(*admitted.point), default=None)
         known = self.floor if goal.time else 0
         race = Race(self.door, self.layout, goal, effort, best, known, rules=self.rules)
         status = race.run()
+        if meter is not None and share is not None:
+            meter.spend(SHARE * meter.left - share.left)
         if status.starts is not None:
             self._offer(self.door.admit(status.starts))
         return status
@@ -362,7 +378,7 @@ class _Search:
                 here[aim] = answer.value
             self._settle(here, is_proven)
             proven = proven and is_proven
-            if self.effort.left() <= 0 or self.door.refused or self.is_too_large:
+            if self.effort.is_spent or self.door.refused or self.is_too_large:
                 return
             limits = {**gentle, "makespan": quickest.value - 1}
 
@@ -384,7 +400,7 @@ class _Search:
         """
         best = self._best(aim, limits)
         value = None if best is None else best.value(aim)
-        is_over = self.effort.left() <= 0 or bool(self.door.refused) or self.is_too_large
+        is_over = self.effort.is_spent or bool(self.door.refused) or self.is_too_large
         if is_over or (value is not None and value <= floor):
             return Answered(value, floor)
         plan, terms = self._model(limits)
@@ -393,6 +409,8 @@ class _Search:
             plan.hint(best.admitted.starts)
         solver = self._solver(self.effort.workers, self.effort.seed)
         status = self._solve(solver, plan)
+        if self.effort.meter is not None:
+            self.effort.meter.spend(solver.response_proto.deterministic_time + LEAST_SPENT)
         if self.door.refused:
             return Answered(value, floor)
         if status == cp_model.INFEASIBLE:
@@ -427,7 +445,7 @@ class _Search:
         found: SimpleQueue[Starts | int | BaseException] = SimpleQueue()
         watcher = _Watcher(plan, found)
 
-        def work() -> None:
+        def search() -> None:
             try:
                 status = int(solver.solve(plan.model, watcher))  # type: ignore[call-overload]
                 if status == cp_model.MODEL_INVALID:
@@ -436,7 +454,7 @@ class _Search:
             except BaseException as error:  # noqa: BLE001  it is raised again in the calling thread
                 found.put(error)
 
-        thread = threading.Thread(target=work, daemon=True)
+        thread = threading.Thread(target=search, daemon=True)
         thread.start()
         try:
             while True:
@@ -475,8 +493,7 @@ class _Search:
             count = len(plan.start)
             early = sum((2 * count - task) * start for task, start in enumerate(plan.start))
             plan.model.minimize(early if last else shift)
-            solver = self._solver(1, 0)
-            solver.parameters.max_deterministic_time = TIDY_WORK
+            solver = self._solver(1, 0, TIDY_WORK)
             status = self._solve(solver, plan)
             canonical = canonical and status == cp_model.OPTIMAL and not self.door.refused
             if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE) or self.door.refused:
@@ -494,13 +511,18 @@ class _Search:
             shifts.append(shift)
         return sum(shifts)
 
-    def _solver(self, workers: int, seed: int) -> cp_model.CpSolver:
+    def _solver(self, workers: int, seed: int, work: float | None = None) -> cp_model.CpSolver:
+        """For one question; `work` in deterministic seconds, else its share of what is left."""
         solver = cp_model.CpSolver()
         solver.parameters.num_workers = workers
         solver.parameters.random_seed = seed % (1 << 31)
         solver.parameters.catch_sigint_signal = False
         if self.effort.until is not None:
             solver.parameters.max_time_in_seconds = max(0.05, SHARE * self.effort.left())
+        if work is None and self.effort.meter is not None:
+            work = SHARE * self.effort.meter.left
+        if work is not None:
+            solver.parameters.max_deterministic_time = work
         return solver
 
     def _offer(self, admitted: Admitted | None) -> None:
@@ -527,7 +549,16 @@ class _Search:
         admitted = known.admitted
         bounds = (self._least_makespan, self._least_stress())
         makespan, stress = admitted.point if proven else bounds
-        bound = Bound(self.instance.seconds(makespan), self.instance.stress(stress))
+        times = rising([*closed_forms(self.layout), Step(makespan, Prover.CP_SAT)])
+        loads = rising(
+            [Step(self._least_stress(), Prover.LEAST_STRESS), Step(stress, Prover.CP_SAT)]
+        )
+        bound = Bound(
+            self.instance.seconds(makespan),
+            self.instance.stress(stress),
+            tuple(Step(self.instance.seconds(int(ticks)), by) for ticks, by in times),
+            tuple(Step(self.instance.stress(int(units)), by) for units, by in loads),
+        )
         return Replan(
             self.standing.cell,
             admitted.schedule,
@@ -549,7 +580,7 @@ class _Search:
             if self.door.refused:
                 raise NothingFoundError(f"no plan was found: {self.door.apology()}")
             if self.infeasible:
-                raise InfeasibleError(*in_the_way(self.standing))
+                raise in_the_way(self.standing)
             if interrupted:
                 raise KeyboardInterrupt
             raise NothingFoundError(

@@ -3,22 +3,36 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from math import inf
 from time import monotonic
+from traceback import extract_tb
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError, Fault, InfeasibleError, UsageError
+from tandem.errors import (
+    CellError,
+    Fault,
+    InfeasibleError,
+    TandemError,
+    UnsoundScheduleError,
+    UsageError,
+)
+from tandem.extensions import Table
 from tandem.plan import dynamic_programming, exact, worst_stress
-from tandem.plan.canonical import settled
-from tandem.plan.infeasible import reasons
+from tandem.plan.canonical import settled, unproven
+from tandem.plan.confirm import SHARE, apology, confirm_none, confirmed, is_asked
+from tandem.plan.cpsat import SOLVER
+from tandem.plan.door import RefusedScheduleWarning
+from tandem.plan.infeasible import infeasible
 from tandem.plan.method import Hint, Method, Progress
 from tandem.plan.question import Question
-from tandem.plan.result import Front
+from tandem.plan.result import Front, Outcome
 from tandem.plan.rules import RULES, SPECS
+from tandem.schedule.checker import faults
 
 
 @dataclass(frozen=True)
@@ -39,20 +53,69 @@ class Entry:
         return self.solve(*arguments, **options)
 
 
-METHODS: dict[str, Entry] = {
-    "exact": Entry(
-        "CP-SAT beside large-neighbourhood search: the complete front with proof",
-        exact.solve,
-        settles=True,
-    ),
-    "exhaustive": Entry(
-        "dynamic programming, no constraint solver: the complete front of small cells with proof",
-        dynamic_programming.solve,
-        settles=True,
-    ),
-    **{name: Entry(SPECS[name].what, solve) for name, solve in RULES.items()},
-}
-"""Name -> method. A new one is a file and a line here."""
+def theirs(home: str, found: Any) -> Entry:
+    """The line of a method that others add. Raises UsageError for what is no method."""
+    if isinstance(found, Entry):
+        return found
+    if not callable(found):
+        raise UsageError(
+            f"{home}: is {found!r}, and no method. A method is called as"
+            " tandem.plan.method.Method says."
+        )
+    said = (found.__doc__ or "").strip().partition("\n")[0]
+    return Entry(said or f"a method of your own, {home}", _Own(home, found))
+
+
+@dataclass(frozen=True)
+class _Own:
+    """A method of somebody else: what it raises is told with its place, and its schedules are
+    checked.
+    """
+
+    home: str
+    solve: Method
+
+    def __call__(self, cell: Cell, question: Question = Question(), **options: Any) -> Front:
+        try:
+            front = self.solve(cell, question, **options)
+        except TandemError:
+            raise
+        except Exception as error:
+            last = extract_tb(error.__traceback__)[-1]
+            place = "" if last.filename == __file__ else f" ({last.filename}:{last.lineno})"
+            raise UsageError(
+                f"{self.home}: {type(error).__name__}: {' '.join(str(error).split())}{place}. A"
+                " method is called as tandem.plan.method.Method says."
+            ) from error
+        if not isinstance(front, Front):
+            raise UsageError(f"{self.home}: answered {front!r}, and no tandem.Front.")
+        for result in front:
+            if wrong := faults(cell, result.schedule):
+                raise UnsoundScheduleError([f"{self.home}: {fault}" for fault in wrong])
+        return front
+
+
+METHODS: Table[Entry] = Table(
+    "methods",
+    {
+        "exact": Entry(
+            "CP-SAT beside large-neighbourhood search: the complete front with proof",
+            exact.solve,
+            settles=True,
+        ),
+        "exhaustive": Entry(
+            "dynamic programming, no constraint solver: the complete front of small cells with"
+            " proof",
+            dynamic_programming.solve,
+            settles=True,
+        ),
+        **{name: Entry(SPECS[name].what, solve) for name, solve in RULES.items()},
+    },
+    theirs,
+)
+"""Name -> method. A new one is a file and a line here, an entry point of the group
+`tandem.methods`, or anybody's by its dotted name.
+"""
 
 
 MOST_TASKS = 20_000
@@ -66,7 +129,7 @@ schedules behind the points that are proven by then.
 
 def describe(method: str) -> str:
     """What a method does, in a line."""
-    return METHODS[method].what
+    return METHODS.told(lambda entry: entry.what)[method]
 
 
 def plan(
@@ -85,6 +148,7 @@ def plan(
     hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
     settle: bool = True,
+    confirm: bool = True,
 ) -> Front:
     """The complete trade-off between makespan (seconds) and stress, each point with a schedule and
     what is proven about it.
@@ -107,6 +171,8 @@ def plan(
         with what was found.
       settle: choose the canonical schedule of each proven point. False for callers who read the
         values alone: the last step often takes longer than the search.
+      confirm: what CP-SAT has proven of a cell of up to `confirm.MOST_TASKS` tasks is confirmed by
+        the dynamic program, which calls no solver. Leave it out where only values are wanted.
 
     Raises:
       UsageError: an unknown method, or an option out of range.
@@ -140,13 +206,24 @@ def plan(
             on_solution=on_solution,
         )
 
+    def for_confirming() -> float | None:
+        if work is not None or time_limit is None:
+            return None
+        return SHARE * (began + time_limit - monotonic())
+
     try:
         if question.minimize == "worst-stress":
             front = worst_stress.solve(cell, question, solve, limit["time_limit"])
         else:
             front = solve(cell, question, limit["time_limit"])
     except InfeasibleError as error:
-        raise InfeasibleError(str(error), reasons(cell, question)) from error
+        if confirm and method == "exact" and is_asked(cell, question):
+            confirm_none(cell, question, for_confirming())
+        raise infeasible(str(error), cell, question) from error
+    if confirm and front.complete and front.solver == SOLVER and is_asked(cell, question):
+        front = confirmed(front, for_confirming(), unproven)
+        if front.confirmation is not None and front.confirmation.outcome == Outcome.DISAGREES:
+            warnings.warn(apology(), RefusedScheduleWarning, stacklevel=2)
     if settles and not front.interrupted:
         until = None if work is not None or time_limit is None else began + time_limit
         front = settled(front, until=until, workers=workers or os.cpu_count() or 1)

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
-from math import ceil
+from math import ceil, inf
 from queue import Empty, SimpleQueue
 from random import Random
 from time import monotonic, thread_time
@@ -20,13 +21,15 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from tandem.plan import cpsat
+from tandem.plan import cpsat, insertion
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.door import Admitted, Door
+from tandem.plan.insertion import Insertion
 from tandem.plan.list_scheduling import Layout, by_start
 from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
 from tandem.plan.lower_bound import Proof, prove_makespan
+from tandem.plan.provers import Prover, Step
 from tandem.plan.starts import Starts, append, appended, in_time, list_schedule, measures
 from tandem.plan.weights import MOST_COUNTED
 
@@ -60,11 +63,15 @@ class GoalStatus:
       bound: no schedule within the limits has a lower value; meaningless when the goal is proven
         infeasible.
       proven: the schedule is optimal or, when there is none, no schedule keeps the limits.
+      steps: what each prover has added to the bound that was known before, rising.
+      by: who proved last.
     """
 
     starts: Starts | None
     bound: int
     proven: bool
+    steps: tuple[Step, ...] = ()
+    by: Prover = Prover.CP_SAT
 
 
 @dataclass
@@ -122,8 +129,14 @@ LARGE = 150
 """From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and
 all cores improve.
 """
+RELAXABLE = 1000
+"""Beyond so many tasks the relaxation is left out: to state it takes seconds in which nobody can be
+interrupted, and the prices of the operators' time, which are known by then, give the same bound.
+"""
 REFUTABLE = 80
 """Up to so many tasks a state-space search is tried beside the others."""
+REFUTABLE_OPERATORS = 3
+"""And of so many operators: with more there are too many states that none of them beats."""
 REFUTE_NEAR = 0.9
 """It begins when the bound has come so near to the incumbent: far from it there is too much to
 refute.
@@ -140,10 +153,34 @@ LEAST_WORK = 1.0
 """Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not
 asked.
 """
+VISITS_PER_WORK = 1e7
+"""Inserting passes by so many tasks in what counts as a deterministic second of CP-SAT, and takes
+about as long.
+"""
+FEW_CORES = 3
+"""With so many workers at most, the first turn of insertion goes before the proof."""
+FIRST_TURN_S = 0.3
+"""Seconds that its first turn takes at most."""
+FIRST_VISITS, MOST_VISITS = 50_000, 1_000_000
+"""So many between two looks at what the others found: few at first, when much is found."""
+VAIN_VISITS = 2e7
+"""Without an improvement for so many, stretches have their turn."""
+VAIN_STRETCHES = 20
+"""Without an improvement for so many stretches, insertion has its turn."""
 EASY_WORK = STRETCH_WORK / 2
 """With less work than this a stretch was easy, and a longer one may be tried."""
 LEAST_SPENT = 0.002
 """Deterministic seconds that a question counts besides its own, for stating it."""
+FIRST_TURN = 1.0
+"""Deterministic seconds for a lone prover's first turn at both models; the next has twice that."""
+ROWS_WORK = 0.25
+"""Deterministic seconds at first for the implied rows beside a plain model: they prove soon, or
+late.
+"""
+ROWS_SHARE = 0.25
+"""Their share of the time."""
+PATIENT_S = 1.0
+"""Seconds for which a prover goes on when it has been overtaken; twice that the next time."""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 
@@ -203,8 +240,11 @@ class Race:
         self.best = incumbent
         self.value = None if incumbent is None else goal.value(*incumbent.point)
         self.known = self.bound = bound
+        self.raised: dict[Prover, int] = {}
+        self.by = Prover.CP_SAT
         self.infeasible = False
         self.stopped = False
+        self.inserted = False
         self.inbox: Inbox = SimpleQueue() if inbox is None else inbox
         self.at_work = 0
         self.threads: list[threading.Thread] = []
@@ -265,10 +305,15 @@ class Race:
         self.inbox.put((self, schedule))
         return True
 
-    def raise_bound(self, bound: int) -> None:
-        """Takes a bound from a worker."""
+    def raise_bound(self, bound: int, by: Prover | None = None) -> None:
+        """Takes a bound from a worker, who says who proved it; or from elsewhere, where that is
+        known already.
+        """
         with self.lock:
-            self.bound = max(self.bound, bound)
+            if bound > self.bound:
+                self.bound = bound
+                if by is not None:
+                    self.raised[by], self.by = bound, by
 
     def run(self) -> GoalStatus:
         """Works until it is proven, time is up or someone interrupts."""
@@ -292,11 +337,17 @@ class Race:
             starts,
             self.bound,
             self.infeasible or (self.value is not None and self.bound >= self.value),
+            tuple(sorted(Step(bound, by) for by, bound in self.raised.items())),
+            self.by,
         )
 
     def start(self) -> None:
         """Sets the workers to work; `at_work` of them have not yet been heard to be done."""
+        if self._inserts:
+            insertion.load()  # it comes while the others begin
         jobs = self._alone() if self.effort.workers == 1 else self._together()
+        if self.over:
+            jobs = []
         self.threads = [
             threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in jobs
         ]
@@ -319,6 +370,7 @@ class Race:
                 thread.join(0.02)
         if self.door.refused:
             self.bound = self.known
+            self.raised.clear()
 
     def _guarded(self, job: Callable[[], None]) -> None:
         try:
@@ -345,14 +397,35 @@ class Race:
             partial(self.improve, Random(f"{seed} {i}")) for i in range(max(1, workers // 2))
         ]
         if tasks < LARGE:
-            # one search more than cores: unlike ones help each other
-            return [*jobs, partial(self.prove, workers + 1, seed), self.refute]
+            # where nothing inserts, one search more than cores: unlike ones help each other
+            provers = workers if self._inserts else workers + 1
+            return [*jobs, partial(self._prove_later, provers, seed), self.refute]
 
         def bound_then_improve() -> None:
-            self.relax(seed)
+            if workers <= FEW_CORES:
+                self._await_loading()
+            # without stress in it the prices of the operators' time have given the same bound
+            stress = self.goal.stress or self.goal.max_stress is not None
+            if tasks <= RELAXABLE and (stress or not self._inserts) and not self.over:
+                self.relax(seed)
             self.improve(Random(f"{seed} -"))
 
         return [*jobs, bound_then_improve]
+
+    def _prove_later(self, workers: int, seed: int) -> None:
+        """Proves when insertion has had its first turn: on few cores it would come late else, and
+        what it finds makes the proof shorter.
+        """
+        if self._inserts and self.effort.workers <= FEW_CORES:
+            self._await_loading()
+            until = monotonic() + FIRST_TURN_S
+            while not self.inserted and monotonic() < until and not self.over:
+                threading.Event().wait(0.01)
+        self.prove(workers, seed)
+
+    @property
+    def _inserts(self) -> bool:
+        return not self._is_small and insertion.knows(self.instance)
 
     def _alone(self) -> list[Callable[[], None]]:
         """Turn by turn in one thread, by counts and not by clocks, so that a run repeats."""
@@ -364,11 +437,11 @@ class Race:
         seed, random, slice_ = self.effort.seed, Random(str(self.effort.seed)), 4.0
         if self._is_small:
             return self.prove(1, seed)
-        if len(self.instance.tasks) >= LARGE:
+        if LARGE <= len(self.instance.tasks) <= RELAXABLE:
             self.relax(seed)
         while not self.over:
             if self.best is not None:
-                self.improve(random, PATIENCE)
+                self._improve_once(random, PATIENCE)
             self.prove(1, seed, work=slice_)
             slice_ *= 2
         return None
@@ -378,13 +451,13 @@ class Race:
         then better schedules, and a search through all states if they are near the bound.
         """
         seed = self.effort.seed
-        if not self._is_small:
+        if not self._is_small and len(self.instance.tasks) <= RELAXABLE:
             self.relax(seed)
         if not self.over and (work >= LEAST_WORK or len(self.instance.tasks) < LARGE):
             self.prove(1, seed, work=work)
         if self.best is None or self._is_small:
             return
-        self.improve(Random(str(seed)), stretches=ceil(STRETCHES_PER_WORK * work))
+        self._improve_once(Random(str(seed)), work=work)
         refutable = (
             self.effort.refutes and not self.goal.stress and len(self.instance.tasks) <= REFUTABLE
         )
@@ -395,26 +468,59 @@ class Race:
         """Who does what, the order left out: a bound, and work shared out so that a list schedule
         is a good beginning.
         """
-        plan = self._model(cpsat.ALLOCATION)
+        plan = self._model(cpsat.ALLOCATION, self.best, True)
         solver = self._solver(1, seed, RELAX_WORK)
         status = self._solve(solver, plan)
         if status == cp_model.INFEASIBLE:
-            return self._ruled_out()
+            return self._ruled_out(Prover.ALLOCATION)
         if status in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-            self.raise_bound(ceil(solver.best_objective_bound - 1e-6))
+            self.raise_bound(ceil(solver.best_objective_bound - 1e-6), Prover.ALLOCATION)
             ways = [way for way, _ in plan.read(solver.value)]
             if (starts := list_schedule(self.layout, ways)) is not None:
                 self.found(starts)
         return None
 
     def prove(self, workers: int, seed: int, work: float | None = None) -> None:
-        """CP-SAT on the whole cell, begun again whenever the incumbent has moved away from under
-        it. `work` in deterministic seconds.
+        """CP-SAT on the whole cell, in two models that prove unlike questions: the implied rows
+        below the incumbent, and a plain one that begins with it. Side by side where there are
+        `workers`, else in turns. `work` in deterministic seconds.
         """
-        patience = 1.0
+        if self.effort.from_below or self._is_fine:
+            return self._prove(not self._is_fine, workers, seed, work)
+        if workers > 1:
+            with ThreadPoolExecutor(1) as pool:
+                beside = pool.submit(self._now_and_then, seed)
+                self._prove(False, workers - 1, seed, work)
+                return beside.result()
+        turn = FIRST_TURN if work is None else work
+        while self._may_prove:
+            self._prove(True, 1, seed, turn * ROWS_SHARE)
+            self._prove(False, 1, seed, turn * (1 - ROWS_SHARE))
+            if work is not None:
+                return None
+            turn *= 2
+        return None
+
+    def _now_and_then(self, seed: int) -> None:
+        """The implied rows beside a plain model: each time with twice the work, after a rest."""
+        work = ROWS_WORK
+        while self._may_prove:
+            began = monotonic()
+            self._prove(True, 1, seed, work)
+            rested = monotonic() + (monotonic() - began) * (1 / ROWS_SHARE - 1)
+            while self._may_prove and monotonic() < rested:
+                threading.Event().wait(0.02)
+            work *= 2
+
+    def _prove(self, below: bool, workers: int, seed: int, work: float | None) -> None:
+        """One of the models, begun again whenever the incumbent has moved away from under it."""
+        # where ticks are fine one model does it all
+        rules = self.rules if below or self._is_fine else self._plain
+        patience = PATIENT_S
         while not self.over:
-            cut = self.value
-            plan = self._model(self.rules)
+            with self.lock:
+                incumbent, cut = self.best, self.value
+            plan = self._model(rules, incumbent, below)
             solver = self._solver(workers, seed, work)
             watcher = _Watcher(self, solver, plan, cut, patience)
             solver.best_bound_callback = watcher.on_bound
@@ -422,31 +528,51 @@ class Race:
             if self.door.refused:
                 return None
             if status == cp_model.INFEASIBLE:
-                return self._ruled_out() if cut is None else self._nothing_below(cut)
+                if cut is None:
+                    return self._ruled_out(Prover.CP_SAT)
+                return self._nothing_below(cut, below)
             if status == cp_model.OPTIMAL:
                 value = self.proposed(plan.read(solver.value), round(solver.objective_value))
-                return None if value is None else self.raise_bound(value)
+                return None if value is None else self.raise_bound(value, Prover.CP_SAT)
             if not watcher.outdated or work is not None:
                 return None
             patience *= 2
         return None
 
+    @property
+    def _may_prove(self) -> bool:
+        """What is asked of a model that was wrong counts for nothing."""
+        return not self.over and not self.door.refused
+
+    @property
+    def _plain(self) -> tuple[cpsat.Rule, ...]:
+        return tuple(rule for rule in self.rules if rule not in cpsat.IMPLIED)
+
     def refute(self) -> None:
         """State-space search for anything quicker than the incumbent; where operators have little
         choice it proves in a second what CP-SAT cannot.
         """
-        if self.goal.stress or len(self.instance.tasks) > REFUTABLE or not self._await_incumbent():
+        if self.goal.stress or not self._is_refutable or not self._await_incumbent():
             return
         while not self.over and self.bound < REFUTE_NEAR * (self.value or 0):
             threading.Event().wait(0.05)
         self._refute_for(REFUTE_S)
 
+    @property
+    def _is_refutable(self) -> bool:
+        return (
+            len(self.instance.tasks) <= REFUTABLE
+            and len(self.instance.operators) <= REFUTABLE_OPERATORS
+        )
+
     def _refute_for(self, seconds: float) -> None:
         """The same for so many processor seconds."""
+        if not self._is_refutable:
+            return
         spent = thread_time() + seconds
         while not self.over and thread_time() < spent:
             proof = self._refuted(self.value or 0, spent)
-            self.raise_bound(proof.bound * self.goal.time)
+            self.raise_bound(proof.bound * self.goal.time, Prover.STATES)
             if proof.starts is not None and not self._take(proof.starts):
                 return
 
@@ -478,31 +604,89 @@ class Race:
         sound = append(self.layout, order, [way for way, _ in starts])
         return sound is not None and in_time(self.instance, sound) and self.found(sound)
 
-    def improve(
-        self, random: Random, patience: int | None = None, stretches: int | None = None
-    ) -> None:
-        """Takes out stretches and plans them anew, larger ones when that is quick; ends after so
-        many `stretches` in all, or `patience` of them in vain in a row.
+    def improve(self, random: Random) -> None:
+        """Inserts tasks elsewhere as long as that helps, then plans stretches anew, then inserts
+        again.
         """
         if not self._await_incumbent():
             return
+        self._await_loading()
+        search, sizes = self._insertion(random), self._first_sizes()
+        while not self.over:
+            if search is not None:
+                self._insert(search, VAIN_VISITS)
+                self._plan_stretches(random, sizes, patience=VAIN_STRETCHES)
+            else:
+                self._plan_stretches(random, sizes, most=1)
+                search = self._insertion(random)
+
+    def _improve_once(self, random: Random, patience: float = inf, work: float = inf) -> None:
+        """The same in one thread, with so much work for each of both, by counts alone."""
+        self._await_loading()
+        search = self._insertion(random)
+        if search is not None:
+            self._insert(search, VAIN_VISITS, work * VISITS_PER_WORK)
+        if not self.over:
+            most = work if work == inf else ceil(STRETCHES_PER_WORK * work)
+            self._plan_stretches(random, self._first_sizes(), patience, most)
+
+    def _await_loading(self) -> None:
+        """Waits until the compiled search is there. Where a clock runs, not until it is compiled
+        anew; where none does, always, so that a run repeats.
+        """
+        while self._inserts and insertion.is_loading() and not self.over:
+            if self.effort.until is not None and insertion.is_compiling():
+                return
+            threading.Event().wait(0.01)
+
+    def _insertion(self, random: Random) -> Insertion | None:
+        """The compiled search, None where it does not know the cell or is not there yet."""
+        moves = insertion.moves()
+        if moves is None or not self._inserts:
+            return None
+        goal, search = self.goal, Insertion(self.layout, moves, random)
+        search.aim(goal.time, goal.stress, goal.max_makespan, goal.max_stress)
+        return search
+
+    def _insert(self, search: Insertion, patience: float, visits: float = inf) -> None:
+        """Inserts until so many visits were in vain in a row, or so many in all were made; takes in
+        what is better on the way.
+        """
+        portion, vain, value = FIRST_VISITS, 0, None
+        while not self.over and vain < patience and visits > 0:
+            if value != self.value:  # somebody has found something better
+                if self.best is None or not search.begin(self.best.starts):
+                    return
+                value, vain = self.value, 0
+            done = search.go(min(portion, int(min(visits, MOST_VISITS))))
+            self._spend(done / VISITS_PER_WORK)
+            self.inserted = self.inserted or portion == MOST_VISITS
+            vain, visits, portion = vain + done, visits - done, min(2 * portion, MOST_VISITS)
+            if value is not None and search.value < value:
+                starts = search.best()
+                if starts is None or not self.found(starts):
+                    value = None
+                    vain += MOST_VISITS
+                else:
+                    value, vain = search.value, 0
+
+    def _first_sizes(self) -> dict[int, float]:
+        """Tasks in a stretch by how many operators are free in it, to begin with."""
+        operators = len(self.instance.operators)
+        some = (operators + 2) // 2 if operators > 2 else operators
+        return dict.fromkeys({operators, min(operators, 2), some}, 24.0)
+
+    def _plan_stretches(
+        self, random: Random, sizes: dict[int, float], patience: float = inf, most: float = inf
+    ) -> None:
+        """Takes out stretches and plans them anew, larger ones when that is quick; ends after
+        `most` in all, or `patience` of them in vain in a row.
+        """
         assert self.best is not None
         current = self.best.starts
-        operators, tasks, failures, tried = (
-            len(self.instance.operators),
-            len(self.instance.tasks),
-            0,
-            0,
-        )
-        sizes = dict.fromkeys(
-            {operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators},
-            24.0,
-        )
-        while (
-            not self.over
-            and (patience is None or failures < patience)
-            and (stretches is None or tried < stretches)
-        ):
+        operators, tasks = len(self.instance.operators), len(self.instance.tasks)
+        failures = tried = 0
+        while not self.over and failures < patience and tried < most:
             tried += 1
             if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
                 current = current if self.best is None else self.best.starts
@@ -572,40 +756,44 @@ class Race:
             threading.Event().wait(0.02)
         return self.best is not None and not self.over
 
-    def _model(self, rules: Sequence[cpsat.Rule]) -> Decisions:
-        """The question as a model: anything better than the incumbent or, where ticks are fine, the
-        incumbent to begin with.
+    def _model(
+        self, rules: Sequence[cpsat.Rule], incumbent: Admitted | None, below: bool
+    ) -> Decisions:
+        """The question as a model: anything below the incumbent, or the incumbent to begin with.
 
-        To refute "better by a tick" CP-SAT may walk through millions of ticks one by one, on four
-        tasks for minutes; but it proves at once that the schedule in its hands is the best.
+        Below, work that no longer fits is refuted at once. But to refute "better by a tick" CP-SAT
+        may walk through millions of ticks one by one, on four tasks for minutes; and what a search
+        learns from a schedule in its hands is lost. There it is left all of the time: with shorter
+        domains it took several times as long to prove the same, or did not. Only where ticks are
+        fine do they pay.
         """
         goal = self.goal
-        with self.lock:
-            best, value = self.best, self.value
-        at_most = 0 if value is None else value - (0 if self._is_fine else 1)
-        least = (
-            sum(min(way.stress for way in ways) for ways in self.instance.ways)
-            if self.instance.stress_of_set is None
-            else 0
-        )
+        value = None if incumbent is None else goal.value(*incumbent.point)
         upper = (
             self.instance.horizon
             if goal.max_makespan is None
             else min(goal.max_makespan, self.instance.horizon)
         )
-        # with the least stress paid, the objective's bound is one on the time: shorter domains
-        if value is not None and goal.time:
-            upper = min(upper, (at_most - goal.stress * least) // goal.time)
+        at_most = None if value is None or not (below or self._is_fine) else value - below
+        if at_most is not None and goal.time:
+            # with the least stress paid, the objective's bound is one on the time
+            upper = min(upper, (at_most - goal.stress * self._least_stress) // goal.time)
         plan = formulate(self.instance, upper, rules)
         objective = goal.time * plan.makespan + goal.stress * plan.stress
         if goal.max_stress is not None:
             plan.model.add(plan.stress <= goal.max_stress)
-        if value is not None:
+        if at_most is not None:
             plan.model.add(objective <= at_most)
-        if best is not None and self._is_fine:
-            plan.hint(best.starts)
+        if incumbent is not None and not below:
+            plan.hint(incumbent.starts)
         plan.model.minimize(objective)
         return plan
+
+    @property
+    def _least_stress(self) -> int:
+        if self.instance.stress_of_set is not None:
+            return 0
+        return sum(min(way.stress for way in ways) for ways in self.instance.ways)
 
     def _solver(self, workers: int, seed: int, work: float | None) -> cp_model.CpSolver:
         solver = cp_model.CpSolver()
@@ -650,20 +838,20 @@ class Race:
         if self.effort.meter is not None:
             self.effort.meter.spend(work + LEAST_SPENT)
 
-    def _nothing_below(self, value: int) -> None:
-        """The model has no solution although the incumbent's value is given; where ticks are fine
-        the incumbent itself was in it.
+    def _nothing_below(self, value: int, below: bool) -> None:
+        """The model has no solution although the incumbent's value is given; unless it asked for
+        what is `below`, the incumbent itself was in it.
         """
-        if self._is_fine:
+        if not below:
             self.door.refuse(["the model leaves out a schedule that the checker has accepted."])
         else:
-            self.raise_bound(value)
+            self.raise_bound(value, Prover.CP_SAT)
 
-    def _ruled_out(self) -> None:
+    def _ruled_out(self, by: Prover) -> None:
         if self.value is None:
-            self.infeasible = True
+            self.infeasible, self.by = True, by
         else:
-            self.raise_bound(self.value)
+            self.raise_bound(self.value, by)
 
 
 class _Watcher(cp_model.CpSolverSolutionCallback):
@@ -694,7 +882,8 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
 
     def on_bound(self, bound: float) -> None:
         known = ceil(bound - 1e-6)
-        self.race.raise_bound(known if self.cut is None else min(known, self.cut))
+        least = known if self.cut is None else min(known, self.cut)
+        self.race.raise_bound(least, Prover.CP_SAT)
         self._look()
 
     def _look(self) -> None:

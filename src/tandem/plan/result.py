@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
 from tandem.plan.knee import Recommended, knee_index, recommended
+from tandem.plan.provers import Prover, Step
 from tandem.plan.question import Question
 from tandem.schedule.cost import cost_of_a_piece
 from tandem.schedule.measures import makespan, stress, stress_by_human
@@ -37,10 +38,52 @@ class Bound:
     For a point of a front the question is "least makespan among the schedules with at most this
     stress" for `makespan`, and "least stress among the schedules with at most this makespan" for
     `stress`.
+
+    Attributes:
+      of_makespan, of_stress: what each prover gave, in rising order; the last one is who proved the
+        bound. Empty where nobody is known, as in results that were stored without.
     """
 
     makespan: float
     stress: float
+    of_makespan: tuple[Step, ...] = field(default=(), compare=False)
+    of_stress: tuple[Step, ...] = field(default=(), compare=False)
+
+    @property
+    def proved_by(self) -> tuple[Prover, Prover] | None:
+        """Who proved the bound of the makespan, and that of the stress."""
+        if not self.of_makespan or not self.of_stress:
+            return None
+        return self.of_makespan[-1].by, self.of_stress[-1].by
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a point of a result document holds it: `bound`, and `proved_by` where it is known."""
+        numbers = {"makespan": plain(self.makespan), "stress": plain(self.stress)}
+        if self.proved_by is None:
+            return {"bound": numbers}
+        by = dict(zip(("makespan", "stress"), map(str, self.proved_by), strict=True))
+        return {"bound": numbers, "proved_by": by}
+
+
+class Outcome(StrEnum):
+    """What came of a second opinion on what CP-SAT has proven."""
+
+    AGREES = "confirmed"
+    DISAGREES = "contradicted"
+    OPEN = "not finished"
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """What the dynamic program says of a proven answer, after so many partial schedules."""
+
+    outcome: Outcome
+    states: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a result document holds it."""
+        by = str(Prover.DYNAMIC)
+        return {"by": by, "outcome": str(self.outcome), "states": self.states}
 
 
 @dataclass(frozen=True)
@@ -124,7 +167,7 @@ class Result:
             "makespan": plain(self.makespan),
             "stress": plain(self.stress),
             "status": str(self.status),
-            "bound": {"makespan": plain(self.bound.makespan), "stress": plain(self.bound.stress)},
+            **self.bound.to_dict(),
             "canonical": self.canonical,
             "digest": self.schedule.digest,
             **({} if self.cost is None else {"cost_per_piece": plain(self.cost)}),
@@ -152,6 +195,7 @@ class Front:
         nothing is open.
       open_area: the share of the front's area that is neither reached by what was found nor ruled
         out by what was proven (`Archive.open_area`); None where that was not told.
+      confirmation: a second opinion on what CP-SAT has proven; None where nobody was asked.
     """
 
     cell: Cell
@@ -168,6 +212,7 @@ class Front:
     out_of_time: bool = False
     bound_front: tuple[tuple[float, float], ...] = ()
     open_area: float | None = None
+    confirmation: Confirmation | None = None
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
@@ -263,6 +308,7 @@ class Front:
             "ended_by": self.ended_by,
             "question": self.question.to_dict(),
             **self._open(),
+            **({} if self.confirmation is None else {"confirmation": self.confirmation.to_dict()}),
             "front": [
                 {
                     **result.to_dict(),

@@ -13,7 +13,7 @@ from time import perf_counter
 
 from tandem.cell.model import Cell
 from tandem.errors import NothingFoundError
-from tandem.plan.bounds import least_makespan, least_stress, load_prices
+from tandem.plan.bounds import load_prices, reckoned
 from tandem.plan.door import Door
 from tandem.plan.greedy import Score, by_rank, by_score, clockwise
 from tandem.plan.instance import Instance
@@ -236,10 +236,7 @@ def method(
     """
     began = perf_counter()
     layout = Layout.of(Instance.of(cell))
-    bound = Bound(
-        layout.instance.seconds(least_makespan(layout)),
-        layout.instance.stress(least_stress(layout) or 0),
-    )
+    bound = reckoned(layout)
     keeper = Keeper(Door(cell, layout.instance, question), bound)
     interrupted = late = False
     # what was found so far is an answer, also when time runs out or the user interrupts

@@ -240,7 +240,8 @@ class Sweep:
         than its share of what is left of the limit.
         """
         share = self._work_left() / (len(self.agenda) + 1)
-        return min(FIRST_WORK * float(GROWTH) ** self.round, max(FIRST_WORK, share))
+        allowed: float = FIRST_WORK * GROWTH**self.round
+        return min(allowed, max(FIRST_WORK, share))
 
     def _work_left(self) -> float:
         """What is left for all workers, at the pace that was seen; infinite when there is no
@@ -299,9 +300,11 @@ class Sweep:
         answer = race.answer
         none = answer.proven and answer.starts is None
         if goal.time:
-            self.archive.learn(
-                inf if goal.max_stress is None else goal.max_stress, inf if none else answer.bound
-            )
+            cap = inf if goal.max_stress is None else goal.max_stress
+            for bound, by in answer.steps:
+                self.archive.learn(cap, bound, by)
+            if none:
+                self.archive.learn(cap, inf, answer.by)
         else:
             latest = (
                 inf
@@ -309,7 +312,10 @@ class Sweep:
                 else (goal.max_makespan or 0) + 1
             )
             cap = inf if goal.max_stress is None else goal.max_stress
-            self.archive.learn(cap if none else answer.bound - 1, latest)
+            for bound, by in answer.steps:
+                self.archive.learn(bound - 1, latest, by)
+            if none:
+                self.archive.learn(cap, latest, answer.by)
 
     def _follow(self, race: Race, goal: Goal) -> None:
         """Goes on along the front in the same round: from a proven point first to the least stress

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from importlib.metadata import version
 
-import tandem
 from tandem.cell.model import Cell
 from tandem.cell.walking import SPEED
 from tandem.draw.style import looks
@@ -127,7 +127,7 @@ def made(
 ) -> list[tuple[str, str]]:
     """(what, value) of program, solver, seed and the like; what is not known is left out."""
     entries = [
-        ("program", f"tandem {tandem.__version__}"),
+        ("program", f"tandem {version('tandem')}"),
         ("solver", front.solver),
         ("method", front.method),
         ("seed", str(front.seed)),

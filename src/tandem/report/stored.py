@@ -21,6 +21,7 @@ from tandem.files.load import load
 from tandem.files.messages import shown
 from tandem.plan.choice import point_of
 from tandem.plan.cycle.result import CycleFront
+from tandem.plan.provers import Prover, Step
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Quantiles, Result, Risk, Status
 from tandem.report.language import words
@@ -293,7 +294,14 @@ def _bound(row: Mapping[str, Any]) -> Bound:
     """What is proven about a point; nothing where the document does not say."""
     told = row.get("bound")
     told = told if isinstance(told, Mapping) else {}
-    return Bound(number_or(told.get("makespan"), 0.0), number_or(told.get("stress"), 0.0))
+    makespan, stress = (number_or(told.get(key), 0.0) for key in ("makespan", "stress"))
+    by = row.get("proved_by")
+    try:
+        who = [Prover(by[key]) for key in ("makespan", "stress")] if by is not None else []
+    except (TypeError, KeyError, ValueError):
+        who = []
+    steps = [(Step(value, one),) for value, one in zip((makespan, stress), who, strict=False)]
+    return Bound(makespan, stress, *steps)
 
 
 def _risk(told: Any) -> Risk | None:

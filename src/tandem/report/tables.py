@@ -93,15 +93,26 @@ def doubt(front: Front, t: Words) -> list[str]:
 
 
 def status(result: Result, t: Words) -> str:
-    """Proven, or the gap and the bounds."""
+    """Proven and by whom, or the gap and the bounds."""
     if result.status == Status.OPTIMAL:
-        return t("front.proven")
+        return proven(result, t)
     return t(
         "front.gap",
         gap=t.share(result.gap),
         low_makespan=t.seconds(result.bound.makespan),
         low_stress=t.number(result.bound.stress),
     )
+
+
+def proven(result: Result, t: Words) -> str:
+    """That it is proven; by whom, where that is known."""
+    by = result.bound.proved_by
+    if by is None:
+        return t("front.proven")
+    makespan, stress = (t(f"prover.{one.name.lower()}") for one in by)
+    if makespan == stress:
+        return t("front.proven.by", both=makespan)
+    return t("front.proven.each", makespan=makespan, stress=stress)
 
 
 def tasks_of(schedule: Schedule, operator: str, t: Words, most: int = 12) -> str:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Literal
 
-from tandem.cell.written import number, signed
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Assignment, Schedule
 
@@ -33,17 +32,6 @@ class Changed:
     what: What
     before: Assignment
     after: Assignment
-
-    def __str__(self) -> str:
-        moved = exact(self.after.start) - exact(self.before.start)
-        who = " + ".join(self.after.operators)
-        if self.what == "operator":
-            who = f"{' + '.join(self.before.operators)} -> {who}"
-        starts = f"{number(self.before.start)} s -> {number(self.after.start)} s"
-        if not moved:
-            starts = f"{number(self.after.start)} s as before"
-        by = f" ({signed(float(moved))} s)" if moved else ""
-        return f"task {self.task}: {self.what}: {who}, start {starts}{by}"
 
     def to_dict(self) -> dict[str, Any]:
         """One entry of `changed` in a result document."""
@@ -75,18 +63,6 @@ class Changes:
     def counts(self) -> tuple[int, int, int]:
         """Tasks that change operator, that change order, and that only begin at another time."""
         return self.count("operator"), self.count("order"), self.count("start")
-
-    def __str__(self) -> str:
-        others, order, moves = self.counts
-        said = [
-            f"{_tasks(others)} {'changes' if others == 1 else 'change'} operator",
-            f"{order} {'changes' if order == 1 else 'change'} order",
-            f"{moves} {'moves' if moves == 1 else 'move'} by more than {number(self.tolerance)} s",
-            f"the rest ({self.same}) stays",
-            *([f"new: {', '.join(self.new)}"] if self.new else []),
-            *([f"gone: {', '.join(self.gone)}"] if self.gone else []),
-        ]
-        return f"{', '.join(said)}."
 
 
 def changes(before: Schedule, after: Schedule, tolerance: float = TOLERANCE_S) -> Changes:
@@ -135,7 +111,3 @@ def _swapped(
         was, now = ((plan[one].start, plan[two].start) for plan in (first, second))
         if shared[one] & shared[two] and (was[0] < was[1]) != (now[0] < now[1]):
             yield from (one, two)
-
-
-def _tasks(count: int) -> str:
-    return f"{count} task{'s' * (count != 1)}"

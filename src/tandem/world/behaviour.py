@@ -16,6 +16,7 @@ import numpy as np
 
 from tandem.cell.names import Known, clean
 from tandem.errors import UsageError
+from tandem.extensions import Table, is_dotted
 from tandem.world.arrays import Arrays, Names
 from tandem.world.people import Person, compliant, harm
 
@@ -96,18 +97,33 @@ class Trait:
     weights: Mapping[str, Range]
 
 
-def traits(spec: str, names: Names) -> tuple[Trait, ...]:
+def traits(spec: str, names: Names, *, dotted: bool = True) -> tuple[Trait, ...]:
     """What a text says of a person: the kinds that it joins by `+`.
+
+    Args:
+      dotted: a kind of your own may be named by where it stands, `package.module:KIND`; not so in
+        a file, since no file makes code run.
 
     Raises:
       UsageError: with everything that is wrong with it, and how to mend it.
     """
     found, wrong = list[Trait](), list[str]()
     for part in clean(spec).split("+"):
-        kind, _, rest = part.strip().partition(":")
-        if kind not in KINDS:
+        kind, rest = kind_of(part.strip())
+        if not dotted and kind not in tuple(KINDS) and is_dotted(kind):
             wrong.append(
-                f"{part.strip()!r}: there is no such kind of person. {Known(KINDS).hint(kind)}"
+                f"{part.strip()!r}: there is no such kind of person."
+                f" {Known(KINDS).hint(kind.partition(':')[0])} One of your own is named here by an"
+                " entry point of the group tandem.people, since no file makes code run."
+            )
+            continue
+        try:
+            KINDS[kind]
+        except (KeyError, UsageError) as error:
+            said = "" if isinstance(error, KeyError) else f" {error}"
+            wrong.append(
+                f"{part.strip()!r}: there is no such kind of person."
+                f" {Known(KINDS).hint(kind.partition(':')[0])}{said}"
             )
             continue
         if kind in [trait.kind for trait in found]:
@@ -126,6 +142,17 @@ def traits(spec: str, names: Names) -> tuple[Trait, ...]:
     if wrong:
         raise UsageError("\n".join(f"people {sentence}" for sentence in wrong))
     return tuple(found)
+
+
+def kind_of(text: str) -> tuple[str, str]:
+    """The kind, and what stands behind its colon: ("random", "0.5"). A kind of your own is named by
+    where it stands: ("mine.people:careful", "0.5") of "mine.people:careful:0.5".
+    """
+    kind, _, rest = text.partition(":")
+    name, _, behind = rest.partition(":")
+    if kind not in (*KINDS, "population") and is_dotted(f"{kind}:{name}"):
+        return f"{kind}:{name}", behind
+    return kind, rest
 
 
 def person(
@@ -310,77 +337,95 @@ def _same(person_field: str, setting: str) -> Callable[[Made], dict[str, Any]]:
 
 _SHARE = Setting(None, 0.0, 1.0)
 
-KINDS: dict[str, Kind] = {
-    "compliant": Kind("does what is suggested, in the stated time", "compliant", lambda made: {}),
-    "random": Kind(
-        "with probability p picks any legal task instead",
-        "random:0.5",
-        _same("random", "p"),
-        {"p": _SHARE},
-    ),
-    "prefers": Kind(
-        "takes the first legal task of an own list, whatever is suggested, and never waits",
-        "prefers:3,1",
-        _prefers,
-        words="tasks",
-    ),
-    "utility": Kind(
-        "takes what it likes best: weights against time and stress, for tasks, parts and tools; a"
-        " suggestion is worth `follow`",
-        "utility:stress=1,time=0.5,follow=0.3,task.4=-2",
-        _utility,
-        {
-            "stress": Setting(0.0, -1000.0, 1000.0),
-            "time": Setting(0.0, -1000.0, 1000.0),
-            "follow": Setting(0.5, 0.0, 1000.0),
-        },
-        weighs=True,
-    ),
-    "pace": Kind(
-        "takes the stated times times a factor that nobody is told",
-        "pace:1.5",
-        _same("pace", "factor"),
-        {"factor": Setting(None, 0.05, 20.0)},
-    ),
-    "learning": Kind(
-        "gets quicker: the n-th task takes n ** -b of the time",
-        "learning:0.2",
-        lambda made: {"learning": made.numbers["b"], "experience": made.numbers["experience"]},
-        {"b": Setting(None, 0.0, 2.0), "experience": Setting(0.0, 0.0, 1e6)},
-    ),
-    "tiring": Kind(
-        "tires at work and recovers at rest; `after` so many minutes without rest; at full fatigue"
-        " a task takes 1 + `slows` of its time",
-        "tiring:weak,after=10",
-        _tiring,
-        {"after": Setting(0.0, 0.0, 10_000.0), "slows": Setting(0.5, 0.0, 20.0)},
-        words="workers",
-    ),
-    "forgetful": Kind(
-        "a task goes wrong with probability p",
-        "forgetful:0.1",
-        _same("forgets", "p"),
-        {"p": _SHARE},
-    ),
-    "refusing": Kind(
-        "refuses a suggested task with probability p, for good where others can do it",
-        "refusing:0.2",
-        _same("refuses", "p"),
-        {"p": _SHARE},
-    ),
-    "postponing": Kind(
-        "puts a suggested task off with probability p",
-        "postponing:0.2",
-        _same("postpones", "p"),
-        {"p": _SHARE},
-    ),
-    "adversarial": Kind(
-        "takes the legal task that harms the team most, as far as a plain rule can tell; never"
-        " waits",
-        "adversarial",
-        lambda made: {"taste": harm(made.arrays), "follows": 0.0, "obeys": 0.0},
-    ),
-}
-"""Every kind of person by name; `population:FILE` stands beside them. A new one is a line here."""
+
+def theirs(home: str, found: Any) -> Kind:
+    """A kind that others add. Raises UsageError for what is none."""
+    if not isinstance(found, Kind):
+        raise UsageError(
+            f"{home}: is {found!r}, and no kind of person. Make a tandem.world.behaviour.Kind."
+        )
+    return found
+
+
+KINDS: Table[Kind] = Table(
+    "people",
+    {
+        "compliant": Kind(
+            "does what is suggested, in the stated time", "compliant", lambda made: {}
+        ),
+        "random": Kind(
+            "with probability p picks any legal task instead",
+            "random:0.5",
+            _same("random", "p"),
+            {"p": _SHARE},
+        ),
+        "prefers": Kind(
+            "takes the first legal task of an own list, whatever is suggested, and never waits",
+            "prefers:3,1",
+            _prefers,
+            words="tasks",
+        ),
+        "utility": Kind(
+            "takes what it likes best: weights against time and stress, for tasks, parts and"
+            " tools; a suggestion is worth `follow`",
+            "utility:stress=1,time=0.5,follow=0.3,task.4=-2",
+            _utility,
+            {
+                "stress": Setting(0.0, -1000.0, 1000.0),
+                "time": Setting(0.0, -1000.0, 1000.0),
+                "follow": Setting(0.5, 0.0, 1000.0),
+            },
+            weighs=True,
+        ),
+        "pace": Kind(
+            "takes the stated times times a factor that nobody is told",
+            "pace:1.5",
+            _same("pace", "factor"),
+            {"factor": Setting(None, 0.05, 20.0)},
+        ),
+        "learning": Kind(
+            "gets quicker: the n-th task takes n ** -b of the time",
+            "learning:0.2",
+            lambda made: {"learning": made.numbers["b"], "experience": made.numbers["experience"]},
+            {"b": Setting(None, 0.0, 2.0), "experience": Setting(0.0, 0.0, 1e6)},
+        ),
+        "tiring": Kind(
+            "tires at work and recovers at rest; `after` so many minutes without rest; at full"
+            " fatigue a task takes 1 + `slows` of its time",
+            "tiring:weak,after=10",
+            _tiring,
+            {"after": Setting(0.0, 0.0, 10_000.0), "slows": Setting(0.5, 0.0, 20.0)},
+            words="workers",
+        ),
+        "forgetful": Kind(
+            "a task goes wrong with probability p",
+            "forgetful:0.1",
+            _same("forgets", "p"),
+            {"p": _SHARE},
+        ),
+        "refusing": Kind(
+            "refuses a suggested task with probability p, for good where others can do it",
+            "refusing:0.2",
+            _same("refuses", "p"),
+            {"p": _SHARE},
+        ),
+        "postponing": Kind(
+            "puts a suggested task off with probability p",
+            "postponing:0.2",
+            _same("postpones", "p"),
+            {"p": _SHARE},
+        ),
+        "adversarial": Kind(
+            "takes the legal task that harms the team most, as far as a plain rule can tell; never"
+            " waits",
+            "adversarial",
+            lambda made: {"taste": harm(made.arrays), "follows": 0.0, "obeys": 0.0},
+        ),
+    },
+    theirs,
+)
+"""Every kind of person by name; `population:FILE` stands beside them. A new one is a line here, an
+entry point of the group `tandem.people`, or anybody's by its dotted name.
+"""
 
 TASTES = ("prefers", "utility", "adversarial")

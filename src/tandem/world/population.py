@@ -146,7 +146,8 @@ class _Reader:
             self.note((*path, "share"), f"share is {share!r}: give a number above 0.")
             share = 1
         try:
-            return Group(row["person"], traits(row["person"], self.names), float(share))
+            found = traits(row["person"], self.names, dotted=False)
+            return Group(row["person"], found, float(share))
         except UsageError as error:
             for sentence in str(error).splitlines():
                 self.note((*path, "person"), sentence)
@@ -190,12 +191,15 @@ class Crowd:
         )
 
 
-def crowd(spec: str, names: Names, arrays: Arrays, *, part: str = "held_out") -> Crowd:
+def crowd(
+    spec: str, names: Names, arrays: Arrays, *, part: str = "held_out", dotted: bool = True
+) -> Crowd:
     """The people that a text describes: one person, or `population:FILE`.
 
     Args:
       part: of a population file, "train" or "held_out"; `population:FILE:train` in the text says
         it, too.
+      dotted: a kind may be named by where it stands; see `traits`.
 
     Raises:
       UsageError: the text is wrong.
@@ -206,5 +210,5 @@ def crowd(spec: str, names: Names, arrays: Arrays, *, part: str = "held_out") ->
         file, _, last = rest.rpartition(":")
         path, part = (file, last) if file and last in PARTS else (rest, part)
         return Crowd(spec, names, arrays, load(path.strip(), names)[part])
-    found = traits(spec, names)
+    found = traits(spec, names, dotted=dotted)
     return Crowd(spec, names, arrays, (Group(spec, found),))

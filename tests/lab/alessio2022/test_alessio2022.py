@@ -23,8 +23,8 @@ from tandem.lab.alessio2022 import exact, experiment, grid_runs, layout, robots
 from tandem.lab.alessio2022.cells import HOSTILE, as_state, nominal_robot, play, times, trade
 from tandem.lab.alessio2022.grid_runs import ADVERSARIAL, DESCRIBED, PLAIN
 from tandem.lab.kinat2023 import decisions
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.kinat2023.rewards import reward_set
-from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.lab.kinat2023.station import station
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, reset
 from tandem.lab.statistics import interval, larger, rank_sum

@@ -14,7 +14,7 @@ from tests.lab.changed_records import refuses_changed_records
 
 from tandem.lab.antonelli2021 import experiment
 from tandem.lab.antonelli2021.markov import policy_values, reaching_states, value_iteration
-from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.kinat2023.game import thesis_cell
 
 SHORTER = {
     "CHANCES": (0.0, 0.3, 0.1, 0.2, 0.3),

@@ -13,8 +13,9 @@ pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 import tandem
 from tandem.lab import other_cells
 from tandem.lab.kinat2023 import experiment
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.kinat2023.recipe import THESIS
-from tandem.lab.kinat2023.runs import FACTORS, PUBLISHED, VARIANTS, run_all, run_thesis, thesis_cell
+from tandem.lab.kinat2023.runs import FACTORS, PUBLISHED, VARIANTS, run_all, run_thesis
 from tandem.lab.records import read_record
 from tandem.learn.ppo.config import Stage
 from tandem.learn.ppo.recipes import longer

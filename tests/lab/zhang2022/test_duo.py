@@ -35,11 +35,11 @@ from tandem.lab.zhang2022.world import chance, cost, now, observation_size, tire
 from tandem.lab.zhang2022.yardstick import (
     as_stress,
     best_of_rest,
-    best_rule,
     exact_front,
     matching,
     rest,
 )
+from tandem.learn.baseline import best_rule
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import difficulty, makespan
 from tandem.world import state as events
@@ -576,6 +576,6 @@ def test_the_matching_point_and_the_best_rule(small: Cell) -> None:
     points = exact_front(small).points
     assert matching(points, 1, 0) == points[0]
     assert matching(points, 0, 1) == points[-1]
-    name, point = best_rule(small, 1, 1)
-    assert name
-    assert sum(point) >= min(map(sum, points))
+    best = best_rule(as_stress(small), lambda makespan, difficulty: makespan + difficulty)
+    assert best is not None
+    assert best.result.makespan + best.result.stress >= min(map(sum, points))

@@ -42,7 +42,14 @@ def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
     models.of(Situation.of(cell), 1.0)
     if options.plan is not None:
         return carried_out(models, options.plan)
-    best = plan(cell, objective.question(), time_limit=PLANNING_S, seed=options.seed, workers=1)[0]
+    best = plan(
+        cell,
+        objective.question(),
+        time_limit=PLANNING_S,
+        seed=options.seed,
+        workers=1,
+        confirm=False,
+    )[0]
     basis = Basis.of(best, proven=objective.is_proven(best))
     return carried_out(models, Chosen(best.schedule, basis))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -86,48 +87,87 @@ class Learned:
         self, moves: Moves, situation: Situation
     ) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
         """The ways to begin, and the first one's alternatives with the network's belief in each."""
-        arrays, state = self.arrays, state_of(self.names, self.arrays, situation)
-        may, waiting = allowed(moves, situation), len(self.names.ways)
-        chosen: list[int] = []
         ranked: list[tuple[tuple[int, ...], float]] = []
-        for _ in range(len(situation.cell.operators)):
-            mask = world.legal(arrays, state)
-            turn = world.turn(arrays, mask)
-            if turn < 0:
-                break
-            sure = self.learnt.worth(arrays, state, mask, turn)
-            barred = [
-                way
-                for way in np.flatnonzero(mask).tolist()
-                if self._number(moves, state, way) not in may
-            ]
-            sure[barred] = -np.inf
-            way = int(np.argmax(sure)) if (sure > -np.inf).any() else waiting
-            ranked = ranked or self._ranked(moves, state, sure)
-            if way == waiting:
-                state = world.wait(state, turn)
-                continue
-            chosen.append(self._number(moves, state, way))
-            state = world.assign(arrays, state, way)
-        return tuple(chosen), ranked
+
+        def choose(turn: Turn) -> int:
+            nonlocal ranked
+            sure = self.learnt.worth(self.arrays, turn.state, turn.mask, turn.operator)
+            sure[np.flatnonzero(turn.mask & ~turn.may)] = -np.inf
+            ranked = ranked or self._ranked(moves, turn.state, sure)
+            return int(np.argmax(sure)) if (sure > -np.inf).any() else WAIT
+
+        return turn_by_turn(self.names, self.arrays, moves, situation, choose), ranked
 
     def _ranked(self, moves: Moves, state: State, sure: Any) -> list[tuple[tuple[int, ...], float]]:
         share = np.exp(sure - sure.max())
         share = share / share.sum()
         order = [way for way in np.argsort(-share, kind="stable").tolist() if sure[way] > -np.inf]
         return [
-            (() if way == len(sure) - 1 else (self._number(moves, state, way),), float(share[way]))
+            (
+                () if way == len(sure) - 1 else (number(self.names, moves, state, way),),
+                float(share[way]),
+            )
             for way in order
         ]
 
-    def _number(self, moves: Moves, state: State, way: int) -> int:
-        """The world's way as `moves` counts it; of a task that has to come off, its taking
-        apart.
-        """
-        task, mode = self.names.ways[way]
-        number = moves.flat(task, mode.operators)
-        assert number is not None  # both count the ways of the same cell
-        return number + moves.count if state.way[self.arrays.way_task[way]] >= 0 else number
+
+WAIT = -1
+"""What `turn_by_turn` is told where whoever's turn it is lets it pass; the last way, counted from
+the end, as networks have it.
+"""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Whose turn it is at a moment, and what stands open.
+
+    Attributes:
+      state: how the assembly stands, with what those before were asked for.
+      operator: whose turn it is.
+      mask: `[W]` bool, what may begin by the world's rules; `may`: by the situation, too.
+    """
+
+    state: State
+    operator: int
+    mask: Any
+    may: Any
+
+
+def turn_by_turn(
+    names: Names,
+    arrays: Arrays,
+    moves: Moves,
+    situation: Situation,
+    choose: Callable[[Turn], int],
+) -> tuple[int, ...]:
+    """The ways that begin now, as `moves` counts them: at a moment the humans choose first, then
+    the robots, each once. `choose` gives one of the cell's ways, or `WAIT`.
+    """
+    state, allowed_now = state_of(names, arrays, situation), allowed(moves, situation)
+    chosen: list[int] = []
+    for _ in range(len(situation.cell.operators)):
+        mask = np.asarray(world.legal(arrays, state))
+        operator = int(world.turn(arrays, mask))
+        if operator < 0:
+            break
+        may = np.zeros_like(mask)
+        for way in np.flatnonzero(mask).tolist():
+            may[way] = number(names, moves, state, way) in allowed_now
+        way = choose(Turn(state, operator, mask, may))
+        if way in (WAIT, len(names.ways)):
+            state = world.wait(state, operator)
+            continue
+        chosen.append(number(names, moves, state, way))
+        state = world.assign(arrays, state, way)
+    return tuple(chosen)
+
+
+def number(names: Names, moves: Moves, state: State, way: int) -> int:
+    """The world's way as `moves` counts it; of a task that has to come off, its taking apart."""
+    task, mode = names.ways[way]
+    flat = moves.flat(task, mode.operators)
+    assert flat is not None  # both count the ways of the same cell
+    return flat + moves.count if state.way[names.tasks.index(task)] >= 0 else flat
 
 
 def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:

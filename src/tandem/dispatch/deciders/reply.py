@@ -83,6 +83,34 @@ def reply(
     )
 
 
+def begins(
+    situation: Situation,
+    starts: Sequence[Start],
+    *,
+    by: str,
+    because: str,
+    look_again: float | None = None,
+) -> Decision:
+    """The decision to begin these now, each a task and the operators who do it together; what is
+    not possible, or not beside what stands before it, is left out. Robots are told, humans asked.
+
+    Args:
+      by: name of the decider. `because`: what follows what begins in `why`, without the full stop.
+      look_again: when (s) to ask again although nothing has happened.
+    """
+    now, humans = beginning(situation, list(starts)), set(situation.cell.humans)
+    return Decision(
+        starts=tuple(start for start in now if not humans.issuperset(start[1])),
+        announced={who: task for task, operators in now for who in operators if who in humans},
+        alternatives=(Alternative(tuple(now), None),),
+        bound=0.0,
+        why=f"{phrase(situation, now)}: {because}.",
+        by=by,
+        look_again=look_again,
+        asks=tuple(start for start in now if humans.intersection(start[1])),
+    )
+
+
 def _may_be_next(situation: Situation, begins: Sequence[Start], who: str, task: str) -> bool:
     """Whether the human can be asked for the task later: it is open, nobody begins it now, and it
     was not refused.

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
+from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
+from tandem.dispatch.deciders.own import FORM, made_by
 from tandem.dispatch.deciders.policy import Options, Policy
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.errors import UsageError
+from tandem.extensions import Table, resolved
 from tandem.plan.rules import SPECS
 
 
@@ -30,8 +32,7 @@ class Entry:
     follows: bool = False
 
     def __call__(self, cell: Cell, objective: Objective, options: Options) -> Policy:
-        module, name = self.where.split(":")
-        maker = getattr(import_module(module), name)
+        maker = resolved(self.where)
         policy: Policy = (
             maker(cell, objective, options)
             if self.argument is None
@@ -40,46 +41,88 @@ class Entry:
         return policy
 
 
-POLICIES: dict[str, Entry] = {
-    "fixed": Entry(
-        "the exact plan for the stated times, its order kept whatever happens",
-        "tandem.dispatch.deciders.fixed:fixed",
-        follows=True,
-    ),
-    **{
-        name: Entry(rule.what, "tandem.dispatch.deciders.by_rule:by_rule", name)
-        for name, rule in SPECS.items()
+@dataclass(frozen=True)
+class Theirs:
+    """A line that others add: a maker, which takes a cell, an `Objective` and `Options`, or a
+    decider that is made already.
+
+    Attributes:
+      home: where it stands, `module:attribute`; its name for one that was handed in.
+      source: the maker or the decider.
+      follows: it heeds `Options.plan`, as its maker says by an attribute `follows`.
+    """
+
+    home: str
+    source: Any
+
+    @property
+    def what(self) -> str:
+        """The first line of what it says of itself."""
+        said = (getattr(self.source, "__doc__", None) or "").strip().partition("\n")[0]
+        return said or f"a decider of your own, {self.home}"
+
+    @property
+    def follows(self) -> bool:
+        return bool(getattr(self.source, "follows", False))
+
+    def __call__(self, cell: Cell, objective: Objective, options: Options) -> Policy:
+        return made_by(self.source, self.home, cell, objective, options)
+
+
+def theirs(home: str, source: Any) -> Entry | Theirs:
+    """The line that others add. Raises UsageError for what makes no decider and is none."""
+    if isinstance(source, Entry | Theirs):
+        return source
+    if not callable(source) and not callable(getattr(source, "decide", None)):
+        raise UsageError(f"{home}: is {source!r}, and no policy. {FORM}")
+    return Theirs(home, source)
+
+
+POLICIES: Table[Entry | Theirs] = Table(
+    "policies",
+    {
+        "fixed": Entry(
+            "the exact plan for the stated times, its order kept whatever happens",
+            "tandem.dispatch.deciders.fixed:fixed",
+            follows=True,
+        ),
+        **{
+            name: Entry(rule.what, "tandem.dispatch.deciders.by_rule:by_rule", name)
+            for name, rule in SPECS.items()
+        },
+        "replan": Entry(
+            "CP-SAT plans the rest anew at each event, with the stated times; the first plan found"
+            " is taken",
+            "tandem.dispatch.deciders.replan:plain",
+        ),
+        "replan-robust": Entry(
+            "as replan, with each person's estimated pace; of good plans the one that is best on"
+            " average",
+            "tandem.dispatch.deciders.replan:robust",
+            follows=True,
+        ),
+        "expected": Entry(
+            "exact: the least expected cost beside the human as modelled; small cells",
+            "tandem.dispatch.deciders.by_value:expected",
+        ),
+        "minimax": Entry(
+            "exact: the least cost that no human can spoil; small cells",
+            "tandem.dispatch.deciders.by_value:minimax",
+        ),
+        "learned": Entry(
+            "what `tandem train` learned, by any of its algorithms: a network in NumPy",
+            "tandem.dispatch.deciders.learned:learned",
+        ),
+        "auto": Entry(
+            "learned, else planned anew, else a rule; always answers within the budget",
+            "tandem.dispatch.deciders.auto:auto",
+            follows=True,
+        ),
     },
-    "replan": Entry(
-        "CP-SAT plans the rest anew at each event, with the stated times; the first plan found is"
-        " taken",
-        "tandem.dispatch.deciders.replan:plain",
-    ),
-    "replan-robust": Entry(
-        "as replan, with each person's estimated pace; of good plans the one that is best on"
-        " average",
-        "tandem.dispatch.deciders.replan:robust",
-        follows=True,
-    ),
-    "expected": Entry(
-        "exact: the least expected cost beside the human as modelled; small cells",
-        "tandem.dispatch.deciders.by_value:expected",
-    ),
-    "minimax": Entry(
-        "exact: the least cost that no human can spoil; small cells",
-        "tandem.dispatch.deciders.by_value:minimax",
-    ),
-    "learned": Entry(
-        "what `tandem train` learned, by any of its algorithms: a network in NumPy",
-        "tandem.dispatch.deciders.learned:learned",
-    ),
-    "auto": Entry(
-        "learned, else planned anew, else a rule; always answers within the budget",
-        "tandem.dispatch.deciders.auto:auto",
-        follows=True,
-    ),
-}
-"""Name -> decider. A new one is a file and a line here; every rule of `plan.rules.SPECS` is one by
+    theirs,
+)
+"""Name -> decider. A new one is a file and a line here, an entry point of the group
+`tandem.policies`, or anybody's by its dotted name; every rule of `plan.rules.SPECS` is one by
 itself.
 """
 
@@ -93,9 +136,9 @@ def policy(
       UsageError: there is none of this name.
       CellError: it cannot hold this cell.
     """
-    known = Known(POLICIES)
-    if name not in known:
+    if name not in POLICIES:
         raise UsageError(
-            f"there is no policy {name!r}. {known.hint(name)} `tandem policies` lists them."
+            f"there is no policy {name!r}. {Known(POLICIES).hint(name)} `tandem policies` lists"
+            " them."
         )
     return POLICIES[name](cell, objective, options or Options())

@@ -112,7 +112,7 @@ def _as_stated(cell: Cell, objective: Objective) -> float | None:
         }
     )
     try:
-        best = plan(free, objective.question(), time_limit=PLANNING_S, workers=1)[0]
+        best = plan(free, objective.question(), time_limit=PLANNING_S, workers=1, confirm=False)[0]
     except (InfeasibleError, NothingFoundError):
         return None
     return objective.cost(best.makespan, best.stress) if objective.is_proven(best) else None

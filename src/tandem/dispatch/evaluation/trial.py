@@ -6,7 +6,7 @@ known far better than their means.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,16 +15,21 @@ import numpy as np
 from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known
 from tandem.dispatch.deciders.memory import settled_memory
+from tandem.dispatch.deciders.own import OwnPolicyError
 from tandem.dispatch.deciders.policy import Chosen, Options, Policy, plan_of
-from tandem.dispatch.deciders.table import POLICIES, policy
+from tandem.dispatch.deciders.table import POLICIES, theirs
 from tandem.dispatch.evaluation.batch import EpisodeBatch, Outcome
 from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.errors import CellError, TandemError, UsageError
+from tandem.extensions import is_dotted
 from tandem.world.arrays import Names
 from tandem.world.people import Person
 from tandem.world.population import Crowd, crowd
 from tandem.world.randomness import OFF, Chance, Draw
+
+Maker = Callable[[Cell, Objective, Options], Policy]
+"""Makes a decider for a cell."""
 
 MOST_PERSONS = 64
 """A crowd of more different people gets no exact optimum: it would be one dynamic programme for
@@ -36,10 +41,10 @@ Z = 1.96
 
 @dataclass(frozen=True)
 class Trial:
-    """What is to be judged.
+    """What is to be judged; `judge` says what each of it means.
 
     Attributes:
-      policies: names of deciders; the first one is what the others are compared with.
+      policies: name -> what makes the decider for a cell.
       people: one or more descriptions, each judged by itself.
       episodes: per description and decider. `seed`: of chance, and of who is drawn from a crowd.
       objective, chance, options: see there. Where all people of a description pick at random alike,
@@ -48,28 +53,54 @@ class Trial:
         compared over these.
     """
 
-    policies: tuple[str, ...]
+    policies: Mapping[str, Maker]
     people: tuple[str, ...] = ("compliant",)
     episodes: int = 1000
     seed: int = 0
     objective: Objective = SECONDS
     chance: Chance = OFF
     options: Options = field(default_factory=Options)
-    fewer: dict[str, int] = field(default_factory=dict)
+    fewer: Mapping[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.policies or not self.people:
             raise UsageError("name at least one policy and one kind of people.")
-        if doubled := {name for name in self.policies if self.policies.count(name) > 1}:
-            raise UsageError(f"policy {', '.join(sorted(doubled))}: named twice. Name each once.")
-        known = Known(POLICIES)
-        if unknown := [name for name in self.policies if name not in known]:
-            faults = " ".join(
-                f"There is no policy {name!r}. {known.hint(name)}" for name in unknown
-            )
-            raise UsageError(f"{faults} `tandem policies` lists them.")
         if min([self.episodes, *self.fewer.values()]) < 2:
             raise UsageError(f"episodes {self.episodes}: an interval needs 2 at least.")
+
+
+def makers(policies: Iterable[Any]) -> dict[str, Maker]:
+    """Name -> what makes the decider for a cell, of names of the table, dotted names, deciders that
+    are made already, and makers.
+
+    Raises UsageError, with all faults at once, for what is none of these or stands there twice.
+    """
+    found, faults, doubled = dict[str, Maker](), list[str](), list[str]()
+    for one in policies:
+        try:
+            name, maker = _maker(one)
+        except UsageError as error:
+            faults.append(str(error))
+            continue
+        doubled += [name] if name in found else []
+        found[name] = maker
+    if doubled:
+        faults.append(f"policy {', '.join(sorted(set(doubled)))}: named twice. Name each once.")
+    if faults:
+        raise UsageError(" ".join(faults))
+    return found
+
+
+def _maker(one: Any) -> tuple[str, Maker]:
+    if isinstance(one, str):
+        if one not in POLICIES:
+            raise UsageError(
+                f"There is no policy {one!r}. {Known(POLICIES).hint(one)} `tandem policies` lists"
+                " them."
+            )
+        return one, POLICIES[one]
+    name = getattr(one, "name", None) or getattr(one, "__name__", None) or type(one).__name__
+    return str(name), theirs(str(name), one)
 
 
 class NobodyLeftError(TandemError):
@@ -83,17 +114,51 @@ class NobodyLeftError(TandemError):
 
 
 def judge(
-    cell: Cell, trial: Trial, tell: Callable[[str], None] = lambda _: None
+    cell: Cell,
+    policies: Iterable[str | Policy | Maker],
+    people: str | Iterable[str] = "compliant",
+    episodes: int = 1000,
+    seed: int = 0,
+    *,
+    objective: Objective = SECONDS,
+    chance: Chance = OFF,
+    options: Options | None = None,
+    fewer: Mapping[str, int] | None = None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> list[dict[str, Any]]:
     """One document for each description of people; see `docs/dispatch.md` for what stands in it.
 
     A decider that cannot hold the cell is left out, and the document says why.
 
+    Args:
+      policies: names that `tandem policies` lists, dotted names (`package.module:attribute`),
+        deciders of your own for this cell, and makers of such, which take a cell, an `Objective`
+        and `Options`. The others are compared with the first one.
+      people: one or more descriptions, each judged by itself.
+      episodes: per description and decider. `seed`: of chance, and of who is drawn from a crowd;
+        the same seed gives every decider the same episodes.
+      objective: what is to be small. `chance`: what may happen besides. `options`: of the deciders.
+        Where all people of a description pick at random alike, `expected` is told how often.
+      fewer: decider -> its own, smaller number of episodes, for those who take long; they are
+        compared over these.
+      tell: hears whose turn it is.
+
     Raises:
-      UsageError: an unknown decider or description.
+      UsageError: an unknown decider or description, or a decider of your own that fails, with the
+        place.
       CellError: the cell is too large to be simulated.
       NobodyLeftError: all deciders were left out.
     """
+    trial = Trial(
+        makers([policies] if isinstance(policies, str) else policies),
+        (people,) if isinstance(people, str) else tuple(people),
+        episodes,
+        seed,
+        objective,
+        chance,
+        options or Options(),
+        fewer or {},
+    )
     names = Names.of(cell)
     crowds = [crowd(spec, names, names.arrays()) for spec in trial.people]
     made: dict[tuple[str, float], Policy] = {}
@@ -120,7 +185,7 @@ def _document(
     )
     costs: dict[str, Any] = {}
     rows, left_out = [], dict[str, TandemError]()
-    for name in trial.policies:
+    for name, maker in trial.policies.items():
         tell(f"{people.spec}: {name}")
         count = min(trial.episodes, trial.fewer.get(name, trial.episodes))
         # a decider is built once for all groups of people; only "expected" is told of their
@@ -130,9 +195,11 @@ def _document(
         # judged
         try:
             if key not in made:
-                made[key] = policy(name, cell, trial.objective, told)
+                made[key] = maker(cell, trial.objective, told)
             with settled_memory() as settle:
                 found = stage.play(made[key], count, between=settle)
+        except OwnPolicyError:
+            raise
         except TandemError as error:
             left_out[name] = error
             continue
@@ -282,13 +349,13 @@ def split_people(text: Sequence[str]) -> tuple[str, ...]:
 
     `("compliant,prefers:3,1",)` -> `("compliant", "prefers:3,1")`.
     """
-    from tandem.world.behaviour import KINDS
+    from tandem.world.behaviour import KINDS, kind_of
 
-    kinds = (*KINDS, "population")
     found: list[str] = []
     for one in text:
         for index, part in enumerate(one.split(",")):
-            if index == 0 or part.strip().partition(":")[0].partition("+")[0] in kinds:
+            kind = part.strip().partition("+")[0]
+            if index == 0 or kind_of(kind)[0] in (*KINDS, "population") or is_dotted(kind):
                 found.append(part)
             else:
                 found[-1] += f",{part}"

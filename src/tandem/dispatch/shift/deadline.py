@@ -19,6 +19,7 @@ from functools import partial
 from time import perf_counter
 from typing import Literal
 
+from tandem.dispatch.deciders.own import fault_of
 from tandem.dispatch.deciders.policy import Decision, Policy
 from tandem.dispatch.deciders.words import phrase
 from tandem.dispatch.situation.legal import legal
@@ -158,24 +159,3 @@ def plainly(situation: Situation) -> Decision:
         by="plain",
         asks=tuple(start for start in begins if humans.intersection(start[1])),
     )
-
-
-def fault_of(situation: Situation, decision: Decision) -> str:
-    """What is not allowed about the decision, in a sentence; empty when all of it is."""
-    begins = list(dict.fromkeys((*decision.asks, *decision.starts)))
-    possible = beginning(situation, begins)
-    for task, operators in begins:
-        if (task, operators) not in possible:
-            return (
-                f"{decision.by} wants {' and '.join(operators)} to begin task {task!r}, which is"
-                " not allowed now."
-            )
-    for human, task in decision.announced.items():
-        if human not in situation.cell.humans or task not in situation.cell.tasks:
-            return f"{decision.by} announces task {task!r} to {human!r}, which makes no sense."
-        other = next(
-            (name for name, operators in begins if human in operators and name != task), None
-        )
-        if other is not None:
-            return f"{decision.by} asks {human!r} for task {other!r} and announces task {task!r}."
-    return ""

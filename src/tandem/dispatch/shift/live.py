@@ -17,6 +17,7 @@ from typing import Any, Self
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_variant import ByVariant, order_of
+from tandem.dispatch.deciders.own import Own
 from tandem.dispatch.deciders.policy import Basis, Chosen, Options, Policy, basis_of, plan_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
@@ -48,6 +49,7 @@ from tandem.dispatch.situation.model import TAKING_APART, Product, Situation
 from tandem.dispatch.situation.objections import objections, remarks
 from tandem.dispatch.situation.transitions import after, ordered
 from tandem.errors import TandemError, UsageError
+from tandem.extensions import is_dotted
 from tandem.files.load import load
 from tandem.plan.rules import SPECS
 from tandem.schedule.checker import faults
@@ -113,10 +115,23 @@ class Settings:
             data["products"],
         )
 
-    def decider(self, cell: Cell, variants: Mapping[str, Cell] | None = None) -> InTime:
-        """The decider, with the rule that stands in for it. May take seconds. `variants`: further
-        cells that it decides for; `options.plan` is of `cell` alone.
+    def decider(
+        self,
+        cell: Cell,
+        variants: Mapping[str, Cell] | None = None,
+        *,
+        own: Policy | None = None,
+    ) -> InTime:
+        """The decider, with the rule that stands in for it. May take seconds.
+
+        Args:
+          variants: further cells that it decides for; `options.plan` is of `cell` alone.
+          own: a decider of yours for `cell`, instead of the one that is named; it knows no
+            variants.
         """
+        if own is not None:
+            rule = policy(RULE, cell, self.objective, self.options)
+            return InTime(Own(own, own.name), rule, self.options.budget_ms)
         told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING)
 
         def made(name: str) -> Policy:
@@ -207,7 +222,10 @@ class Shift:
           UsageError, CellError: the decider does not exist, or cannot hold the cell.
         """
         if not journal.is_new:
+            stated = settings.policy
             settings, start = opened_with(journal, cell)
+            if decider is None:
+                named_again(journal, settings, stated)
             variants = kept_variants(journal, variants)
         fits(cell, variants or {})
         decider = decider or settings.decider(cell, variants)
@@ -482,6 +500,19 @@ def kept_settings(journal: Journal) -> Settings:
             " journal."
         ) from None
     return settings
+
+
+def named_again(journal: Journal, kept: Settings, stated: str) -> None:
+    """No file makes code run: where a journal's decider is somebody's own, by its dotted name, that
+    name is to be stated again.
+
+    Raises UsageError when it was not.
+    """
+    if is_dotted(kept.policy) and kept.policy != stated:
+        raise UsageError(
+            f"{journal.path}: the shift was begun with {kept.policy}, which is code of your own,"
+            f" and no file makes code run. Name it again with --policy {kept.policy}."
+        )
 
 
 def _kept(line: str | bytes) -> str | bytes:

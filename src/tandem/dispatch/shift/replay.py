@@ -14,7 +14,7 @@ from tandem.cell.model import Cell
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.shift.deadline import Instead, InTime
 from tandem.dispatch.shift.documents import Document, digest
-from tandem.dispatch.shift.live import Shift, kept_variants, opened_with
+from tandem.dispatch.shift.live import Shift, kept_variants, named_again, opened_with
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,9 @@ class Replayed:
     differences: tuple[str, ...]
 
 
-def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Replayed:
+def replay(
+    cell: Cell, journal: Journal, *, decider: InTime | None = None, policy: str = ""
+) -> Replayed:
     """Takes every line of the journal anew and compares answers, decisions and situations with what
     is written there, latencies aside.
 
@@ -37,12 +39,18 @@ def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Re
     machine. A decision that the rule gave, because the decider was late or failed, is asked of the
     rule again: that it stood in is in the journal.
 
+    Args:
+      decider: instead of the one that the journal names.
+      policy: the one that it names, where that is code of your own: no file makes code run.
+
     Raises JournalError, UsageError and CellError as `Shift.open` does.
     """
     if journal.is_new:
         raise JournalError(f"{journal.path}: nothing was written to this journal yet.")
     settings, start = opened_with(journal, cell)
     variants = kept_variants(journal, None)
+    if decider is None:
+        named_again(journal, settings, policy)
     made = decider or settings.decider(cell, variants)
     differences: list[str] = []
     events = decisions = entries = 0

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
+from tandem.cell.model import Cell
 from tandem.files.formats.lines import (
     Row,
     Translated,
@@ -22,6 +23,17 @@ from tandem.files.formats.lines import (
     seconds,
     title,
     whole,
+)
+from tandem.files.formats.written import (
+    Written,
+    all_times,
+    alone,
+    first_machine,
+    jobs,
+    names_lost,
+    not_said,
+    refuse,
+    whole_numbers,
 )
 from tandem.files.positions import Path
 
@@ -53,32 +65,9 @@ def read(text: str, source: str) -> Translated:
       CellError: the file is not of this form; with the line where it ceases to be.
     """
     lines = rows(text)
-    if not lines:
-        raise broken(
-            source, 1, "the first line states the numbers of jobs and machines; this file is empty."
-        )
-    head = lines[0]
-    if len(head.words) < 2:
-        raise broken(
-            source, head.line, "the first line states the numbers of jobs and of machines."
-        )
-    jobs, machines = (
-        whole(source, head.line, word, what)
-        for word, what in zip(
-            head.words, ("the number of jobs", "the number of machines"), strict=False
-        )
-    )
-    few_enough(source, head.line, machines, 1)
-    if len(lines) - 1 != jobs:
-        raise broken(
-            source,
-            head.line,
-            f"the first line states {jobs} jobs, but {len(lines) - 1} lines follow. There is one"
-            " line for each job.",
-        )
-    shop = [(row, list(_operations(source, row))) for row in lines[1:]]
+    machines, shop = jobs_of(lines, source)
     first = counted_from(
-        source, head.line, machines, [(row.line, ways) for row, job in shop for ways in job]
+        source, lines[0].line, machines, [(row.line, ways) for row, job in shop for ways in job]
     )
     tasks: dict[str, Any] = {}
     places: dict[Path, int] = {}
@@ -96,6 +85,41 @@ def read(text: str, source: str) -> Translated:
         {"name": title(source), "operators": robots(first, machines), "tasks": tasks},
         places,
     )
+
+
+def jobs_of(
+    lines: list[Row], source: str
+) -> tuple[int, list[tuple[Row, list[list[tuple[int, float]]]]]]:
+    """The number of machines, and each job's line with the machines and times of its operations.
+
+    Raises:
+      CellError: the file is not of this form; with the line where it ceases to be.
+    """
+    if not lines:
+        raise broken(
+            source, 1, "the first line states the numbers of jobs and machines; this file is empty."
+        )
+    head = lines[0]
+    if len(head.words) < 2:
+        raise broken(
+            source, head.line, "the first line states the numbers of jobs and of machines."
+        )
+    stated, machines = (
+        whole(source, head.line, word, what)
+        for word, what in zip(
+            head.words, ("the number of jobs", "the number of machines"), strict=False
+        )
+    )
+    few_enough(source, head.line, machines, 1)
+    if len(lines) - 1 != stated:
+        raise broken(
+            source,
+            head.line,
+            f"the first line states {stated} jobs, but {len(lines) - 1} lines follow. There is one"
+            " line for each job.",
+        )
+    shop = [(row, list(_operations(source, row))) for row in lines[1:]]
+    return machines, shop
 
 
 def _operations(source: str, row: Row) -> Iterator[list[tuple[int, float]]]:
@@ -176,3 +200,29 @@ def robots(first: int, machines: int) -> dict[str, Any]:
 
 def _numeric(word: str) -> bool:
     return word.replace(".", "", 1).isdigit()
+
+
+def write(cell: Cell) -> Written:
+    """The cell as a flexible job shop: a job for each row of tasks, in the cell's order.
+
+    Raises:
+      CellError: the cell says more than that, or its precedence is no rows; with every reason.
+    """
+    rows_of_tasks, faults = jobs(cell, "fjs")
+    refuse(cell, "fjs", task=("time", "after"), further=faults)
+    unit, first = whole_numbers(all_times(cell)), first_machine(cell)
+    ways = alone(cell, unit)
+    operations = sum(len(found) for found in ways.values())
+    lines = [f"{len(rows_of_tasks)} {len(cell.operators)} {operations / len(ways):.6g}"]
+    lines += [
+        " ".join([str(len(job)), *(written_operation(ways[task], first) for task in job)])
+        for job in rows_of_tasks
+    ]
+    notes = (*not_said(cell, unit), *names_lost(cell, first))
+    return Written("\n".join(lines) + "\n", notes)
+
+
+def written_operation(ways: list[tuple[int, int]], first: int) -> str:
+    """How many machines can do it, then machine and time of each."""
+    pairs = (f"{place + first} {time}" for place, time in ways)
+    return " ".join([str(len(ways)), *pairs])

@@ -11,8 +11,19 @@ from __future__ import annotations
 from itertools import islice
 from typing import Any
 
-from tandem.files.formats.fjs import counted_from, operation, robot, robots
+from tandem.cell.model import Cell
+from tandem.files.formats.fjs import counted_from, operation, robot, robots, written_operation
 from tandem.files.formats.lines import Translated, broken, few_enough, rows, title, whole
+from tandem.files.formats.written import (
+    Written,
+    all_times,
+    alone,
+    first_machine,
+    names_lost,
+    not_said,
+    refuse,
+    whole_numbers,
+)
 from tandem.files.positions import Path
 
 
@@ -118,3 +129,23 @@ def read(text: str, source: str) -> Translated:
 def _only(jobs: set[str]) -> str | None:
     """The job of an operation; None when its arcs name none, or several."""
     return next(iter(jobs)) if len(jobs) == 1 else None
+
+
+def write(cell: Cell) -> Written:
+    """The cell as a graph of operations, counted from 0 in the cell's order.
+
+    Raises:
+      CellError: the cell says more than that; with every reason.
+    """
+    refuse(cell, "fjs-dag", task=("time", "after"))
+    unit, first = whole_numbers(all_times(cell)), first_machine(cell)
+    place = {name: number for number, name in enumerate(cell.tasks)}
+    arcs = [
+        f"{place[earlier]} {place[name]}"
+        for name, task in cell.tasks.items()
+        for earlier in task.predecessors
+    ]
+    lines = [f"{len(place)} {len(arcs)} {len(cell.operators)}", *arcs]
+    lines += [written_operation(ways, first) for ways in alone(cell, unit).values()]
+    notes = (*not_said(cell, unit), *names_lost(cell, first))
+    return Written("\n".join(lines) + "\n", notes)

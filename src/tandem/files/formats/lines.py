@@ -137,14 +137,16 @@ def seconds(source: str, line: int, word: str, what: str) -> float:
     return value
 
 
-def few_enough(source: str, line: int, operators: int, tasks: int) -> None:
+def few_enough(
+    source: str, line: int, operators: int, tasks: int, most_operators: int = MOST_OPERATORS
+) -> None:
     """Refuses a cell of more operators, or of more ways of doing its tasks, than can be held.
 
     Raises:
       CellError: there are too many; `line` is where their number is stated.
     """
-    if operators > MOST_OPERATORS or operators * tasks > MOST_WAYS:
-        most = f"{MOST_OPERATORS:,} operators, and {MOST_WAYS:,} pairs of an operator and a task"
+    if operators > most_operators or operators * tasks > MOST_WAYS:
+        most = f"{most_operators:,} operators, and {MOST_WAYS:,} pairs of an operator and a task"
         raise broken(
             source,
             line,

@@ -7,11 +7,29 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, Protocol
 
+from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.files import json_reader, yaml_reader
-from tandem.files.formats import alb, alwabp, case, fjs, fjs_dag, jsp
+from tandem.files.formats import (
+    alb,
+    alwabp,
+    battery,
+    case,
+    fjs,
+    fjs_dag,
+    hrcalbp,
+    job_shop_lib,
+    jsp,
+    psplib,
+    pyjobshop,
+    rcp,
+    taillard,
+)
 from tandem.files.formats.lines import nearly_numbers, rows
+from tandem.files.formats.written import Written
+from tandem.files.json_writer import to_json
 from tandem.files.positions import Path, Place
+from tandem.files.yaml_writer import to_yaml
 
 
 class Readable(Protocol):
@@ -46,11 +64,17 @@ class Format:
 
 
 FORMATS = {
+    "job-shop-lib": Format(
+        "job shop of job-shop-lib, JSON", job_shop_lib.read, job_shop_lib.looks_like
+    ),
     "case": Format("human-robot case studies and battery cells, JSON", case.read, case.looks_like),
     "json": Format(
         "cell file, JSON", json_reader.read, lambda text: text.lstrip()[:1] in ("{", "[")
     ),
     "alb": Format("assembly line balancing, .alb and .IN2", alb.read, alb.looks_like, numbers=True),
+    "hrcalbp": Format(
+        "line with human, robot and joint tasks, .csv", hrcalbp.read, hrcalbp.looks_like
+    ),
     "alwabp": Format(
         "assembly line worker assignment", alwabp.read, alwabp.looks_like, numbers=True
     ),
@@ -60,15 +84,70 @@ FORMATS = {
         fjs_dag.looks_like,
         numbers=True,
     ),
+    "psplib": Format(
+        "project under shared capacities, PSPLIB and MMLIB, .sm and .mm",
+        psplib.read,
+        psplib.looks_like,
+        numbers=True,
+    ),
+    "rcp": Format(
+        "project under shared capacities, Patterson", rcp.read, rcp.looks_like, numbers=True
+    ),
+    "taillard": Format(
+        "classic job shop, Taillard's two tables",
+        taillard.read,
+        taillard.looks_like,
+        numbers=True,
+    ),
     "jsp": Format(
         "classic job shop, OR-Library and JSPLIB", jsp.read, jsp.looks_like, numbers=True
     ),
     "fjs": Format("flexible job shop, FJSPLIB", fjs.read, fjs.looks_like, numbers=True),
+    "battery": Format(
+        "sampled battery cells, told by a name such as H2R1_7.txt",
+        battery.read,
+        battery.looks_like,
+        numbers=True,
+    ),
     "yaml": Format("cell file, YAML", yaml_reader.read, lambda text: True),
 }
 """Name -> format, in the order in which they are told. A new one is a file and a line here."""
 
-ENDINGS = {".alb": "alb", ".in2": "alb", ".fjs": "fjs", ".jsp": "jsp"}
+
+@dataclass(frozen=True)
+class Writer:
+    """A form that a cell can be written in.
+
+    Attributes:
+      what: for lists and help texts.
+      write: raises CellError, with every reason, when the form cannot say all that decides which
+        schedules there are.
+    """
+
+    what: str
+    write: Callable[[Cell], Written]
+
+
+WRITERS = {
+    "yaml": Writer("cell file, YAML", lambda cell: Written(to_yaml(cell), ())),
+    "json": Writer("cell file, JSON", lambda cell: Written(to_json(cell), ())),
+    "fjs": Writer("flexible job shop, FJSPLIB", fjs.write),
+    "fjs-dag": Writer("flexible job shop with any acyclic precedence", fjs_dag.write),
+    "jsp": Writer("classic job shop, OR-Library and JSPLIB", jsp.write),
+    "job-shop-lib": Writer("job shop of job-shop-lib, JSON", job_shop_lib.write),
+    "pyjobshop": Writer("problem data of PyJobShop, JSON", pyjobshop.write),
+}
+"""Name -> form to write. A new one is a function and a line here."""
+
+ENDINGS = {
+    ".alb": "alb",
+    ".in2": "alb",
+    ".fjs": "fjs",
+    ".jsp": "jsp",
+    ".mm": "psplib",
+    ".rcp": "rcp",
+    ".sm": "psplib",
+}
 """How the names of files end that nobody gives to anything else."""
 
 
@@ -84,6 +163,10 @@ def detected(text: str, source: str = "text") -> str:
     """
     ending = ENDINGS.get(PurePath(source).suffix.lower())
     found = next(name for name, format in FORMATS.items() if format.looks_like(text))
+    if ending == "rcp":
+        return ending
+    if found == "fjs" and battery.named_so(source):
+        return "battery"
     if found == "jsp" and _reads_as_flexible(text, source):
         if ending not in ("jsp", "fjs"):
             raise CellError([Fault(DOUBTFUL, (), f"{source}:1")])

@@ -24,9 +24,9 @@ from tandem.dispatch.lookahead.dynamic_programming import COMPLIANT, Human, Valu
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.files.generators import layered
 from tandem.lab.kinat2023 import decisions
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.kinat2023.observations import observe_normalised
 from tandem.lab.kinat2023.recipe import STATION, StationRecipe
-from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, State, Station, reset
 from tandem.learn.networks import Perceptron, forward, init

@@ -6,7 +6,7 @@ from importlib import resources
 
 from tandem.cell.model import Cell
 from tandem.files.load import load
-from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.kinat2023.game import thesis_cell
 
 
 def cells() -> dict[str, Cell]:

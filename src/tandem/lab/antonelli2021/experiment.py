@@ -27,7 +27,7 @@ from tandem.lab.antonelli2021.markov import (
     value_iteration,
 )
 from tandem.lab.antonelli2021.qlearning import Config
-from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.origin import origin
 from tandem.lab.records import kept_record, stored_document, write_document
 from tandem.lab.systems import Features, Played

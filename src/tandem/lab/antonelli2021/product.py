@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from tandem.cell.beyond import beyond
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, UsageError
-from tandem.lab.refusal import beyond
 
 UNMOUNT_SHARE = 0.5
 """ASSUMPTION: taking a part off takes half the time of mounting it."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from tandem.cell.model import Cell
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.kinat2023.optimal import return_optimal
 from tandem.lab.kinat2023.recipe import STATION
 from tandem.lab.kinat2023.rewards import reward_set
@@ -22,7 +23,6 @@ from tandem.lab.kinat2023.runs import (
     run_all,
     run_ours,
     run_thesis,
-    thesis_cell,
 )
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import State, Station

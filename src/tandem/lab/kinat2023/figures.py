@@ -15,9 +15,10 @@ from tandem.draw.figure import blank, figure_for
 from tandem.draw.gantt import plot_gantt
 from tandem.draw.graph import plot_graph
 from tandem.lab.kinat2023.episode import Episode, follow, play
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.kinat2023.optimal import return_optimal
 from tandem.lab.kinat2023.rewards import reward_set
-from tandem.lab.kinat2023.runs import FACTORS, OURS, PUBLISHED, VARIANTS, thesis_cell
+from tandem.lab.kinat2023.runs import FACTORS, OURS, PUBLISHED, VARIANTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,9 +8,10 @@ the rules of `world.py`.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -223,6 +224,23 @@ class Game:
         )
 
 
+def of_reset(game: Game, options: Mapping[str, Any] | None) -> Game:
+    """The game on the cell that `reset(options={"cell": ...})` names, else the same.
+
+    Raises UsageError when it does not have the spaces of the game so far.
+    """
+    if options is None or options.get("cell") is None:
+        return game
+    other = Game(options["cell"], game.options)
+    if other.tasks != game.tasks or (other.highest() > game.highest()).any():
+        raise UsageError(
+            f"cell {other.cell.name!r}: has {other.tasks} tasks, the environment's has"
+            f" {game.tasks}, and its observations must stay within the environment's. Make an"
+            " environment of its own for it."
+        )
+    return other
+
+
 def as_cell(cell: Cell | str | os.PathLike[str]) -> Cell:
     """The cell itself, or the one in that file. Raises CellError as `tandem.load` does."""
     if isinstance(cell, Cell):
@@ -230,3 +248,11 @@ def as_cell(cell: Cell | str | os.PathLike[str]) -> Cell:
     from tandem.files.load import load
 
     return load(cell)
+
+
+def thesis_cell() -> Cell:
+    """The exemplary assembly of Kinat (2023), chapter 6."""
+    from tandem.files.load import load
+
+    with resources.as_file(resources.files("tandem.lab.kinat2023") / "thesis.yaml") as file:
+        return load(file)

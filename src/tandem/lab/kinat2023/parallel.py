@@ -14,13 +14,14 @@ from pettingzoo import ParallelEnv
 
 from tandem.cell.model import Cell
 from tandem.envs.door import Door, is_legal
-from tandem.lab.kinat2023.game import AGENTS, RENDER_MODES, Game, Options
+from tandem.lab.kinat2023.game import AGENTS, RENDER_MODES, Game, Options, of_reset, thesis_cell
 
 Observation = dict[str, NDArray[Any]]
 
 
 class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
-    """`robot_0` and `human_0`; action 0 waits, `i` names the cell's i-th task.
+    """`robot_0` and `human_0`; action 0 waits, `i` names the cell's i-th task. The cell is the
+    thesis's when none is given.
 
     Observations are `{"observation": [D] float32, "action_mask": [T + 1] int8}`, 1 = legal; the
     mask is in `info["action_mask"]` and comes from `action_masks()` too. An illegal action does not
@@ -35,8 +36,8 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         "render_fps": 4,
     }
 
-    def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
-        self.game = Game(cell, Options(**options))
+    def __init__(self, cell: Cell | str | os.PathLike[str] | None = None, **options: Any):
+        self.game = Game(thesis_cell() if cell is None else cell, Options(**options))
         self.render_mode = self.game.options.render_mode
         self.possible_agents = list(AGENTS)
         self.agents: list[str] = []
@@ -66,8 +67,10 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """The first observations. The station knows no chance: `seed` is taken and changes
-        nothing.
+        nothing. `options={"cell": ...}` names the cell of this and the next episodes, of as many
+        tasks.
         """
+        self.game = of_reset(self.game, options)
         self.game.reset()
         self.agents = list(AGENTS)
         self._door.open()

@@ -4,17 +4,15 @@ we would.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Literal, get_args
-
-from pydantic import ConfigDict
+from typing import Annotated, Any, ClassVar, Literal
 
 from tandem.lab.kinat2023.observations import observe, observe_normalised, observe_scaled
 from tandem.lab.kinat2023.rewards import REWARDS
-from tandem.learn.forms import STRICT
+from tandem.learn.forms import key_of
 from tandem.learn.ppo.config import Config, Stage
-from tandem.learn.settings import must_hold, one_of
+from tandem.learn.settings import checked
 
 OBSERVATIONS: dict[str, Callable[..., Any]] = {
     "thesis": observe,
@@ -26,6 +24,7 @@ OBSERVATIONS: dict[str, Callable[..., Any]] = {
 Pace = Literal["ticks", "decisions"]
 
 
+@checked
 @dataclass(frozen=True)
 class StationRecipe:
     """How PPO trains the agents of a cell with one robot and one human, on the thesis's station.
@@ -41,21 +40,11 @@ class StationRecipe:
 
     config: Config
     pace: Pace
-    sees: str
-    rewards: str = "appendix"
+    sees: Annotated[str, key_of(OBSERVATIONS)]
+    rewards: Annotated[str, key_of(REWARDS)] = "appendix"
     what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "station"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it, beside its `config`."""
-        yield from one_of(self, "pace", get_args(Pace))
-        yield from one_of(self, "sees", OBSERVATIONS)
-        yield from one_of(self, "rewards", REWARDS)
 
     def to_dict(self) -> dict[str, Any]:
         return {

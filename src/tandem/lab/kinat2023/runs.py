@@ -11,12 +11,10 @@ import math
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from tandem.cell.model import Cell
-from tandem.files.load import load
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.kinat2023.recipe import STATION, THESIS, StationRecipe, varied
 from tandem.lab.records import kept_record
 
@@ -41,12 +39,6 @@ MOST_STEPS = 400_000
 """A run of the thesis's recipe is ended there and counted as it stands: agents that stall play 1400
 steps an episode.
 """
-
-
-def thesis_cell() -> Cell:
-    """The exemplary assembly of Kinat (2023), chapter 6."""
-    with resources.as_file(resources.files("tandem.lab.kinat2023") / "thesis.yaml") as file:
-        return load(file)
 
 
 def run_all(

@@ -16,14 +16,15 @@ from tandem.cell.model import Cell
 from tandem.envs.door import CONTROLLER, OUTSIDE, Door, is_legal
 from tandem.errors import UsageError
 from tandem.lab.kinat2023.decisions import after_human
-from tandem.lab.kinat2023.game import RENDER_MODES, Game, Options
+from tandem.lab.kinat2023.game import RENDER_MODES, Game, Options, of_reset, thesis_cell
 from tandem.lab.kinat2023.world import HUMAN, ROBOT
 
 Observation = dict[str, NDArray[Any]]
 
 
 class ThesisEnv(gymnasium.Env[Any, Any]):
-    """One controller of robot and human, in one of two ways.
+    """One controller of robot and human, in one of two ways, on the thesis's cell when none is
+    given.
 
     `by="decisions"` (the default): one decision at a time. The action is 0, wait, or a task's
     number, for the agent whose turn it is; where both decide at once the human comes first and time
@@ -40,9 +41,10 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 4}  # type: ignore[misc]
 
-    def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
+    def __init__(self, cell: Cell | str | os.PathLike[str] | None = None, **options: Any):
         self.game = Game(
-            cell, Options(**{"by": "decisions", "observation": "normalised", **options})
+            thesis_cell() if cell is None else cell,
+            Options(**{"by": "decisions", "observation": "normalised", **options}),
         )
         self.render_mode = self.game.options.render_mode
         self.joint = self.game.options.by == "ticks"
@@ -63,9 +65,11 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """The first observation. The station knows no chance: `seed` is taken and changes
-        nothing.
+        nothing. `options={"cell": ...}` names the cell of this and the next episodes, of as many
+        tasks.
         """
         super().reset(seed=seed)
+        self.game = of_reset(self.game, options)
         self.game.reset()
         self._door.open()
         self._next_turn()

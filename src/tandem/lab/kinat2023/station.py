@@ -9,10 +9,11 @@ from decimal import Decimal
 
 import numpy as np
 
+from tandem.cell.beyond import beyond
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, UsageError
 from tandem.lab.kinat2023.world import Station
-from tandem.lab.refusal import beyond, enumerated_crew
+from tandem.lab.refusal import enumerated_crew
 
 LONGEST = 30_000
 """The largest time, ticks, that the world's whole numbers are meant for."""

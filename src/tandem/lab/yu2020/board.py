@@ -15,11 +15,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 
+from tandem.cell.beyond import beyond
 from tandem.cell.model import Cell
 from tandem.cell.parts import Task
 from tandem.errors import CellError, Fault
 from tandem.files.validate import cell_of
-from tandem.lab.refusal import beyond, enumerated_crew
+from tandem.lab.refusal import enumerated_crew
 from tandem.lab.yu2020.columns import MOST_SETS, TooManyError, clash, rows, spans
 
 ROBOT, HUMAN = "robot", "human"

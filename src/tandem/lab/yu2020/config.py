@@ -4,17 +4,18 @@ that check themselves.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict
+from pydantic import Field
 
-from tandem.learn.alphazero.config import MOST_SIMULATIONS
-from tandem.learn.forms import STRICT
-from tandem.learn.settings import counts, must_hold, one_of
+from tandem.learn.alphazero.config import Simulations
+from tandem.learn.settings import NotNegative, Positive, Units, checked
+
+Rounds = Annotated[int, Field(ge=1, le=10_000)]
 
 
+@checked
 @dataclass(frozen=True)
 class YuSearch:
     """How it is made.
@@ -30,27 +31,15 @@ class YuSearch:
         an untrained network expects negative costs, the first move is looked at and no other.
     """
 
-    simulations: int = 30
-    depth: int = 4
-    exploration: float = 100.0
-    temperature: float = 0.0
+    simulations: Simulations = 30
+    depth: Simulations = 4
+    exploration: NotNegative = 100.0
+    temperature: NotNegative = 0.0
     quirk: bool = True
     unvisited: Literal["first", "zero"] = "first"
 
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """What is wrong with it."""
-        yield from counts(self, ("simulations", "depth"), most=MOST_SIMULATIONS)
-        for name in ("exploration", "temperature"):
-            if not getattr(self, name) >= 0:
-                yield f"{name} {getattr(self, name)}: must be 0 or more."
-        yield from one_of(self, "unvisited", ("first", "zero"))
-
-
+@checked
 @dataclass(frozen=True)
 class YuConfig:
     """How Yu, Huang and Chang (2020) train, as their code was read.
@@ -72,30 +61,15 @@ class YuConfig:
     """
 
     search: YuSearch = field(default_factory=lambda: YuSearch(temperature=1000.0))
-    outer: int = 10
-    inner: int = 5
-    switch: int = 5
-    kept: int = 200
-    minibatch: int = 16
-    learning_rate: float = 1e-3
-    filters: int = 10
-    dense: int = 128
-    value_norm: tuple[float, float] = (110.0, 90.0)
-
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it."""
-        yield from counts(self, ("outer", "inner", "switch"), most=10_000)
-        yield from counts(self, ("kept", "minibatch"), most=2**20)
-        yield from counts(self, ("filters", "dense"), most=4096)
-        if not self.learning_rate > 0:
-            yield f"learning_rate {self.learning_rate}: must be more than 0."
-        if len(self.value_norm) != 2 or not min(self.value_norm) > 0:
-            yield f"value_norm {self.value_norm}: needs two numbers above 0."
+    outer: Rounds = 10
+    inner: Rounds = 5
+    switch: Rounds = 5
+    kept: Annotated[int, Field(ge=1, le=2**20)] = 200
+    minibatch: Annotated[int, Field(ge=1, le=2**20)] = 16
+    learning_rate: Positive = 1e-3
+    filters: Units = 10
+    dense: Units = 128
+    value_norm: tuple[Positive, Positive] = (110.0, 90.0)
 
     @property
     def games(self) -> int:

@@ -19,17 +19,15 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 import numpy as np
-from pydantic import ConfigDict
 
 from tandem.learn.alphazero.network import Prediction, drawn
-from tandem.learn.forms import STRICT
 from tandem.learn.networks import Perceptron, forward
-from tandem.learn.ppo.config import MOST_UNITS
-from tandem.learn.settings import counts, must_hold
+from tandem.learn.settings import Units, checked
 
 Array = Any
 
 
+@checked
 @dataclass(frozen=True)
 class YuNetworks:
     """For games that show the board, `[h, w, 3]`. Every array of the parameters has a leading axis
@@ -40,15 +38,11 @@ class YuNetworks:
       value_norm: seconds in a value of 1, robot's and human's.
     """
 
-    filters: int = 10
-    dense: int = 128
+    filters: Units = 10
+    dense: Units = 128
     value_norm: tuple[float, float] = (110.0, 90.0)
 
     kind: ClassVar[str] = "yu"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(counts(self, ("filters", "dense"), most=MOST_UNITS))
 
     def start(self, key: Array, game: Any) -> dict[str, Perceptron]:
         """Weights that know nothing yet, for boards of the game's height and width."""

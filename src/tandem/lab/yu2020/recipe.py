@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from pydantic import ConfigDict
+from pydantic import Field
 
 from tandem.lab.yu2020.config import YuConfig
 from tandem.learn.alphazero.recipes import MOST_GAMES
-from tandem.learn.forms import STRICT
-from tandem.learn.settings import counts, must_hold
+from tandem.learn.settings import checked
 
 
+@checked
 @dataclass(frozen=True)
 class YuRecipe:
     """How Yu, Huang and Chang (2020) train, for a cell that can be put on their board.
@@ -26,18 +25,10 @@ class YuRecipe:
     """
 
     config: YuConfig
-    samples: int = 16
+    samples: Annotated[int, Field(ge=1, le=MOST_GAMES)] = 16
     what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "yu"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it, beside its `config`."""
-        yield from counts(self, ("samples",), most=MOST_GAMES)
 
     def to_dict(self) -> dict[str, Any]:
         return {"config": self.config.to_dict(), "samples": self.samples}

@@ -145,16 +145,11 @@ def _row(
     seeds.
     """
     from tandem.plan.methods import plan
-    from tandem.plan.rules import RULES
 
     cell = instance.cell()
-    exact = plan(cell, minimize="makespan", time_limit=PROOF_S, seed=0, settle=False)[0]
-    by_rule = {
-        name: next(iter(plan(cell, method=name, minimize="makespan", seed=0))).makespan
-        for name in RULES
-        if name not in ("random", "best-of-n")
-    }
-    rule = min(by_rule, key=lambda name: (by_rule[name], name))
+    exact = plan(
+        cell, minimize="makespan", time_limit=PROOF_S, seed=0, settle=False, confirm=False
+    )[0]
     chance = _random(cell)
     tell(f"{instance.name}: {len(cell.tasks)} tasks, optimum {exact.makespan:g} s ({exact.status})")
     learned = {}
@@ -174,7 +169,7 @@ def _row(
         "exact": exact.makespan,
         "status": exact.status,
         "bound": exact.bound.makespan,
-        "rule": {"name": rule, "makespan": by_rule[rule]},
+        "rule": _quickest_rule(cell),
         "random": {"mean": round(fmean(chance), 3), "best": min(chance), "games": len(chance)},
         "learned": learned,
     }
@@ -276,6 +271,25 @@ def stored() -> dict[str, Any]:
     return stored_document("yu2021/results.json", "yu2021")
 
 
+def _quickest_rule(cell: Cell) -> dict[str, Any]:
+    from tandem.learn.baseline import best_rule
+
+    rule = best_rule(cell, lambda makespan, _: makespan)
+    assert rule is not None  # their cells know no limits
+    return {"name": rule.name, "makespan": rule.result.makespan}
+
+
+def _rule_of(row: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The best rule of a row's instance, worked out anew in less than a second: records of earlier
+    versions left out the strongest one, `best-of-n`.
+    """
+    known = {instance.name: instance for instance in INSTANCES}
+    if row["instance"] not in known:
+        found: Mapping[str, Any] = row["rule"]
+        return found
+    return _quickest_rule(known[row["instance"]].cell())
+
+
 def table(document: Mapping[str, Any]) -> str:
     """Published, as described, one network for all, ours and exact, seconds; means over seeds, in
     brackets the best of several drawn games.
@@ -309,7 +323,8 @@ def table(document: Mapping[str, Any]) -> str:
             document["published"],
             f"{row['random']['mean']:.1f}",
         ]
-        rule = f"{row['rule']['makespan']:g} ({row['rule']['name']})"
+        told = _rule_of(row)
+        rule = f"{told['makespan']:g} ({told['name']})"
         lines.append("| " + " | ".join([*plain, rule, *learned, f"{row['exact']:g}{proof}"]) + " |")
     return "\n".join(lines)
 

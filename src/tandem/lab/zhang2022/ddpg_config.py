@@ -3,58 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Annotated, Any
 
-from tandem.errors import UsageError
+from pydantic import Field
+
+from tandem.learn.forms import key_of
 from tandem.learn.networks import ACTIVATIONS
+from tandem.learn.settings import Count, NotNegative, Positive, Share, checked, must_hold
 
 ACTORS_LEARN = ("relaxed", "expected")
 
 
-RANGES: tuple[tuple[tuple[str, ...], Callable[[float], bool], str], ...] = (
-    (
-        (
-            "steps",
-            "environments",
-            "updates",
-            "warm_up",
-            "replay",
-            "minibatch",
-            "ahead",
-            "candidates",
-        ),
-        lambda value: value >= 1,
-        "be 1 or more",
-    ),
-    (
-        (
-            "discount",
-            "target_rate",
-            "last_rate",
-            "explore_from",
-            "explore_to",
-            "explore_until",
-            "noise_memory",
-        ),
-        lambda value: 0 <= value <= 1,
-        "lie between 0 and 1",
-    ),
-    (
-        ("actor_rate", "critic_rate", "temperature"),
-        lambda value: math.isfinite(value) and value > 0,
-        "be more than 0",
-    ),
-    (
-        ("noise", "entropy"),
-        lambda value: math.isfinite(value) and value >= 0,
-        "be a number, 0 or more",
-    ),
-)
-"""Settings, what holds of each, and the same in words."""
-
-
+@checked
 @dataclass(frozen=True)
 class Config:
     """A training. Nothing of it is public for Zhang et al. (2022): every number is an ASSUMPTION
@@ -92,57 +53,41 @@ class Config:
       gradient_limit: largest norm of a gradient; None for no limit.
     """
 
-    steps: int = 48_000
-    environments: int = 16
-    updates: int = 1
-    warm_up: int = 1_000
-    replay: int = 16_000
-    minibatch: int = 64
-    ahead: int = 1
-    discount: float = 0.99
-    target_rate: float = 0.005
-    actor_rate: float = 1e-4
-    critic_rate: float = 1e-3
-    last_rate: float = 1.0
-    hidden: tuple[int, ...] = (64, 64)
-    activation: str = "relu"
-    candidates: int = 3
-    actors_learn: str = "relaxed"
-    temperature: float = 0.2
-    entropy: float = 0.0
+    steps: Count = 48_000
+    environments: Count = 16
+    updates: Count = 1
+    warm_up: Count = 1_000
+    replay: Count = 16_000
+    minibatch: Count = 64
+    ahead: Count = 1
+    discount: Share = 0.99
+    target_rate: Share = 0.005
+    actor_rate: Positive = 1e-4
+    critic_rate: Positive = 1e-3
+    last_rate: Share = 1.0
+    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
+    activation: Annotated[str, key_of(ACTIVATIONS)] = "relu"
+    candidates: Count = 3
+    actors_learn: Annotated[str, key_of(ACTORS_LEARN)] = "relaxed"
+    temperature: Positive = 0.2
+    entropy: NotNegative = 0.0
     double: bool = False
-    explore_from: float = 1.0
-    explore_to: float = 0.05
-    explore_until: float = 0.5
-    noise: float = 0.0
-    noise_memory: float = 0.85
+    explore_from: Share = 1.0
+    explore_to: Share = 0.05
+    explore_until: Share = 0.5
+    noise: NotNegative = 0.0
+    noise_memory: Share = 0.85
     noise_in_targets: bool = False
-    gradient_limit: float | None = 10.0
+    gradient_limit: Positive | None = 10.0
 
     def __post_init__(self) -> None:
-        if faults := list(self.faults()):
-            raise UsageError(
-                "The training's configuration does not hold:\n"
-                + "\n".join(f"- {fault}" for fault in faults)
+        if self.replay // self.environments < self.ahead + 2:
+            must_hold(
+                [
+                    f"replay {self.replay}: holds too few steps of {self.environments} environments"
+                    f" for returns over {self.ahead} of them."
+                ]
             )
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it."""
-        for names, holds, must in RANGES:
-            for name in names:
-                if not holds(getattr(self, name)):
-                    yield f"{name} {getattr(self, name)}: must {must}."
-        if self.environments >= 1 and self.replay // self.environments < self.ahead + 2:
-            yield (
-                f"replay {self.replay}: holds too few steps of {self.environments} environments for"
-                f" returns over {self.ahead} of them."
-            )
-        if not self.hidden or min(self.hidden) < 1:
-            yield f"hidden {self.hidden}: needs one layer or more, each of 1 unit or more."
-        if self.activation not in ACTIVATIONS:
-            yield f"activation {self.activation!r}: choose {' or '.join(ACTIVATIONS)}."
-        if self.actors_learn not in ACTORS_LEARN:
-            yield f"actors_learn {self.actors_learn!r}: choose {' or '.join(ACTORS_LEARN)}."
 
     @property
     def rounds(self) -> int:

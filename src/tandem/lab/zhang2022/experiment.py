@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.records import kept_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
 from tandem.lab.zhang2022.runs import (
@@ -29,7 +29,8 @@ from tandem.lab.zhang2022.runs import (
 )
 from tandem.lab.zhang2022.setting import AGENTS, Duo, duo
 from tandem.lab.zhang2022.summary import guides, summary, table
-from tandem.lab.zhang2022.yardstick import best_rule, exact_front, matching
+from tandem.lab.zhang2022.yardstick import as_stress, exact_front, matching
+from tandem.learn.baseline import BestRule, best_rule
 
 STORED = "zhang2022.json"
 OTHERS: dict[str, Callable[[], Cell]] = {"thesis": thesis_cell}
@@ -102,7 +103,7 @@ def assemble(
     from tandem.learn.training.runs import versions
 
     best = {factor: matching(list(front), 1.0, factor) for factor in FACTORS}
-    rules = {factor: best_rule(cell, 1.0, factor) for factor in FACTORS}
+    rules = {factor: _by_rule(cell, factor) for factor in FACTORS}
     return {
         "schema_version": 1,
         "command": "tandem reproduce zhang2022" + " --quick" * quick,
@@ -115,8 +116,13 @@ def assemble(
         "exact_front_complete": complete,
         "matching": {f"{factor:g}": list(point) for factor, point in best.items()},
         "rule": {
-            f"{factor:g}": {"rule": name, "makespan": point[0], "difficulty": point[1]}
-            for factor, (name, point) in rules.items()
+            f"{factor:g}": {
+                "rule": best.name,
+                "makespan": best.result.makespan,
+                "difficulty": best.result.stress,
+            }
+            for factor, best in rules.items()
+            if best is not None
         },
         "random": {
             f"{factor:g}": dict(found) for factor, found in zip(FACTORS, chance, strict=True)
@@ -228,3 +234,8 @@ FEATURES = Features(
 )
 
 __all__ = ["FEATURES", "assemble", "draw_figures", "reproduce", "runs_on", "stored", "table"]
+
+
+def _by_rule(cell: Cell, factor: float) -> BestRule | None:
+    """The rule of the least makespan + factor x difficulty."""
+    return best_rule(as_stress(cell), lambda makespan, difficulty: makespan + factor * difficulty)

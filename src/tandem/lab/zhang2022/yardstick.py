@@ -19,7 +19,6 @@ from tandem.lab.zhang2022.change import Happened
 from tandem.lab.zhang2022.setting import difficulty_of, tool_of
 from tandem.plan.methods import plan
 from tandem.plan.result import Front, Status
-from tandem.plan.rules import RULES
 from tandem.world.arrays import Names
 from tandem.world.state import State as Assembly
 
@@ -55,7 +54,9 @@ def exact_front(cell: Cell, *, time_limit: float = 120.0) -> Front:
     """Every compromise between makespan and difficulty (there called stress), with proof when it is
     complete.
     """
-    return plan(as_stress(cell), time_limit=time_limit, seed=0, workers=1, settle=False)
+    return plan(
+        as_stress(cell), time_limit=time_limit, seed=0, workers=1, settle=False, confirm=False
+    )
 
 
 def matching(
@@ -65,22 +66,6 @@ def matching(
     quickest of equals.
     """
     return min(points, key=lambda point: (time * point[0] + difficulty * point[1], point[0]))
-
-
-def best_rule(cell: Cell, time: float, difficulty: float) -> tuple[str, tuple[float, float]]:
-    """The dispatch rule of `tandem.plan` that finds the least cost, and its makespan and
-    difficulty.
-    """
-    found = [
-        (
-            time * result.makespan + difficulty * result.stress,
-            name,
-            (result.makespan, result.stress),
-        )
-        for name in RULES
-        for result in plan(as_stress(cell), method=name, seed=0, time_limit=10)
-    ]
-    return min(found)[1:]
 
 
 def best_of_rest(
@@ -109,6 +94,7 @@ def best_of_rest(
         seed=0,
         workers=1,
         settle=False,
+        confirm=False,
     )[0]
     if best.status != Status.OPTIMAL:
         return None

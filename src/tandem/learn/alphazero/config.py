@@ -4,20 +4,26 @@ needed to read them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict
+from pydantic import Field
 
-from tandem.errors import UsageError
-from tandem.learn.forms import STRICT
-from tandem.learn.settings import counts, must_hold, one_of
+from tandem.learn.settings import (
+    Batch,
+    Count,
+    NotNegative,
+    Positive,
+    Share,
+    Units,
+    checked,
+)
 
-MOST_SIMULATIONS = 10_000
+Simulations = Annotated[int, Field(ge=1, le=10_000)]
 """Of a search; its tree is held for all games at once."""
 
 
+@checked
 @dataclass(frozen=True)
 class Search:
     """How a search is made.
@@ -34,47 +40,27 @@ class Search:
     """
 
     kind: Literal["gumbel", "puct"] = "gumbel"
-    simulations: int = 16
-    depth: int | None = None
-    considered: int = 8
-    gumbel_scale: float = 1.0
-    exploration: float = 1.25
-    noise: float = 0.25
-    noise_alpha: float = 0.3
-    temperature: float = 1.0
-
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """What is wrong with it."""
-        yield from one_of(self, "kind", ("gumbel", "puct"))
-        yield from counts(self, ("simulations", "considered", "depth"), most=MOST_SIMULATIONS)
-        for name in ("gumbel_scale", "exploration", "temperature"):
-            if not getattr(self, name) >= 0:
-                yield f"{name} {getattr(self, name)}: must be 0 or more."
-        if not 0 <= self.noise <= 1 or not self.noise_alpha > 0:
-            yield (
-                f"noise {self.noise}, noise_alpha {self.noise_alpha}: a share from 0 to 1, and a"
-                " number above 0."
-            )
+    simulations: Simulations = 16
+    depth: Simulations | None = None
+    considered: Simulations = 8
+    gumbel_scale: NotNegative = 1.0
+    exploration: NotNegative = 1.25
+    noise: Share = 0.25
+    noise_alpha: Positive = 0.3
+    temperature: NotNegative = 1.0
 
 
+@checked
 @dataclass(frozen=True)
 class EpsilonGreedy:
     """No search: the network's greedy move, and with a probability of `share` any legal move
     instead.
     """
 
-    share: float = 0.05
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.share <= 1:
-            raise UsageError(f"share {self.share}: must lie between 0 and 1.")
+    share: Share = 0.05
 
 
+@checked
 @dataclass(frozen=True)
 class Config:
     """How a network is trained.
@@ -96,36 +82,17 @@ class Config:
     """
 
     search: Search = field(default_factory=lambda: Search(gumbel_scale=3.0))
-    iterations: int = 60
-    games: int = 64
-    kept: int = 4
-    minibatch: int = 512
-    minibatches: int = 24
-    learning_rate: float = 2e-3
-    value_weight: float = 0.25
-    gradient_limit: float = 1.0
-    trust: float = 1.0
-    imitated: float = 0.25
-    units: int = 64
-
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it."""
-        yield from counts(self, ("iterations", "minibatches"))
-        yield from counts(self, ("games", "minibatch"), most=2**16)
-        yield from counts(self, ("kept",), most=1000)
-        yield from counts(self, ("units",), most=4096)
-        for name in ("learning_rate", "value_weight", "gradient_limit"):
-            if not getattr(self, name) > 0:
-                yield f"{name} {getattr(self, name)}: must be more than 0."
-        if not 0 <= self.trust <= 1:
-            yield f"trust {self.trust}: must lie between 0 and 1."
-        if not 0 <= self.imitated < 1:
-            yield f"imitated {self.imitated}: a share from 0 to less than 1."
+    iterations: Count = 60
+    games: Batch = 64
+    kept: Annotated[int, Field(ge=1, le=1000)] = 4
+    minibatch: Batch = 512
+    minibatches: Count = 24
+    learning_rate: Positive = 2e-3
+    value_weight: Positive = 0.25
+    gradient_limit: Positive = 1.0
+    trust: Share = 1.0
+    imitated: Annotated[float, Field(ge=0, lt=1)] = 0.25
+    units: Units = 64
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""

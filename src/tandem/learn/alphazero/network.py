@@ -19,13 +19,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
-from pydantic import ConfigDict
 
-from tandem.learn.forms import STRICT
 from tandem.learn.networks import Perceptron, forward, init
 from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Observation
-from tandem.learn.ppo.config import MOST_UNITS
-from tandem.learn.settings import counts, must_hold
+from tandem.learn.settings import Units, checked
 from tandem.world.arrays import namespace
 
 if TYPE_CHECKING:
@@ -88,6 +85,7 @@ IMPOSSIBLE = -1e9
 """The logit of a move that is not legal: its probability is 0 and its gradient finite."""
 
 
+@checked
 @dataclass(frozen=True)
 class Scorer:
     """The network for games that show an `Observation`.
@@ -96,13 +94,9 @@ class Scorer:
       units: of each layer, `H`.
     """
 
-    units: int = 64
+    units: Units = 64
 
     kind: ClassVar[str] = "scorer"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(counts(self, ("units",), most=MOST_UNITS))
 
     def start(self, key: Array, game: Game | None = None) -> dict[str, Perceptron]:
         """Glorot-uniform weights; those of the last layer of the policy are small, so that it

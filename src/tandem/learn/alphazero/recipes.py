@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from pydantic import ConfigDict
+from pydantic import Field
 
-from tandem.learn.alphazero.config import MOST_SIMULATIONS, Config, Search
-from tandem.learn.forms import STRICT
-from tandem.learn.settings import counts, must_hold
+from tandem.learn.alphazero.config import Config, Search, Simulations
+from tandem.learn.settings import checked
 
 MOST_GAMES = 10_000
 """That a recipe plays with what was learned, each under a search."""
 
 
+@checked
 @dataclass(frozen=True)
 class SearchRecipe:
     """How self-play trains a network for a cell, any number of operators.
@@ -30,20 +29,11 @@ class SearchRecipe:
 
     config: Config
     waiting: bool = True
-    simulations: int = 32
-    samples: int = 16
+    simulations: Simulations = 32
+    samples: Annotated[int, Field(ge=1, le=MOST_GAMES)] = 16
     what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "alphazero"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it, beside its `config`."""
-        yield from counts(self, ("simulations",), most=MOST_SIMULATIONS)
-        yield from counts(self, ("samples",), most=MOST_GAMES)
 
     def to_dict(self) -> dict[str, Any]:
         return {

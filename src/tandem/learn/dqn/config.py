@@ -4,16 +4,15 @@ it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict
+from pydantic import Field
 
-from tandem.learn.forms import STRICT
-from tandem.learn.settings import counts, must_hold, one_of
+from tandem.learn.settings import LARGEST, Batch, Count, Positive, Share, Units, checked, must_hold
 
 
+@checked
 @dataclass(frozen=True)
 class Config:
     """Deep Q-learning (Mnih et al. 2015) by several agents that take turns.
@@ -42,46 +41,27 @@ class Config:
       gradient_limit: largest norm of the gradient.
     """
 
-    decisions: int = 120_000
-    games: int = 32
-    kept: int = 8192
-    minibatch: int = 128
-    learn_every: int = 2
-    warm_up: int = 50
-    learning_rate: float = 1e-3
-    discount: float = 1.0
-    explore_from: float = 1.0
-    explore_to: float = 0.05
-    explore_share: float = 0.5
-    target_every: int = 100
+    decisions: Count = 120_000
+    games: Batch = 32
+    kept: Annotated[int, Field(ge=1, le=2**22)] = 8192
+    minibatch: Batch = 128
+    learn_every: Count = 2
+    warm_up: Annotated[int, Field(ge=0, le=LARGEST)] = 50
+    learning_rate: Positive = 1e-3
+    discount: Share = 1.0
+    explore_from: Share = 1.0
+    explore_to: Share = 0.05
+    explore_share: Share = 0.5
+    target_every: Count = 100
     double: bool = False
     agents: Literal["each", "one"] = "each"
     horizon: Literal["own", "next"] = "own"
-    units: int = 64
-    gradient_limit: float = 10.0
-
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+    units: Units = 64
+    gradient_limit: Positive = 10.0
 
     def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it."""
-        yield from counts(self, ("decisions", "learn_every", "target_every"))
-        yield from counts(self, ("games", "minibatch"), most=2**16)
-        yield from counts(self, ("kept",), most=2**22)
-        yield from counts(self, ("units",), most=4096)
-        yield from counts(self, ("warm_up",), least=0)
-        if self.games > 0 and self.kept % self.games:
-            yield f"kept {self.kept}: must be a multiple of games = {self.games}."
-        for name in ("learning_rate", "gradient_limit"):
-            if not getattr(self, name) > 0:
-                yield f"{name} {getattr(self, name)}: must be more than 0."
-        for name in ("discount", "explore_from", "explore_to", "explore_share"):
-            if not 0 <= getattr(self, name) <= 1:
-                yield f"{name} {getattr(self, name)}: must lie between 0 and 1."
-        yield from one_of(self, "agents", ("each", "one"))
-        yield from one_of(self, "horizon", ("own", "next"))
+        if self.kept % self.games:
+            must_hold([f"kept {self.kept}: must be a multiple of games = {self.games}."])
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""

@@ -6,17 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import ConfigDict
+from pydantic import Field
 
 from tandem.learn.alphazero.network import Prediction, Scorer
-from tandem.learn.forms import STRICT
 from tandem.learn.networks import mapped
 from tandem.learn.observation import Observation
-from tandem.learn.ppo.config import MOST_UNITS
-from tandem.learn.settings import counts, must_hold
+from tandem.learn.settings import Units, checked
 from tandem.world.arrays import namespace
 
 Array = Any
@@ -25,6 +23,7 @@ MOST_AGENTS = 1000
 """That decide in one cell."""
 
 
+@checked
 @dataclass(frozen=True)
 class ValueNetworks:
     """Q(s, a) is the cost that is still to come when the agent whose turn it is does a: what the
@@ -36,19 +35,10 @@ class ValueNetworks:
       units: of the layers.
     """
 
-    agents: int = 1
-    units: int = 64
+    agents: Annotated[int, Field(ge=1, le=MOST_AGENTS)] = 1
+    units: Units = 64
 
     kind: ClassVar[str] = "values"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(
-            [
-                *counts(self, ("agents",), most=MOST_AGENTS),
-                *counts(self, ("units",), most=MOST_UNITS),
-            ]
-        )
 
     def start(self, key: Array, game: Any = None) -> Any:
         import jax

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from pydantic import ConfigDict
+from pydantic import Field
 
 from tandem.learn.dqn.config import Config
-from tandem.learn.forms import STRICT
-from tandem.learn.settings import counts, must_hold
+from tandem.learn.settings import checked
 
 MOST_GAMES = 100_000
 """That a recipe plays with what was learned."""
 
 
+@checked
 @dataclass(frozen=True)
 class ValueRecipe:
     """How deep Q-learning trains the agents of a cell, any number of them.
@@ -29,18 +28,10 @@ class ValueRecipe:
 
     config: Config
     waiting: bool = True
-    samples: int = 64
+    samples: Annotated[int, Field(ge=1, le=MOST_GAMES)] = 64
     what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "dqn"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it, beside its `config`."""
-        yield from counts(self, ("samples",), most=MOST_GAMES)
 
     def to_dict(self) -> dict[str, Any]:
         return {"config": self.config.to_dict(), "waiting": self.waiting, "samples": self.samples}

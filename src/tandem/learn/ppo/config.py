@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any
 
-from pydantic import ConfigDict
+from pydantic import Field
 
-from tandem.learn.forms import STRICT
+from tandem.learn.forms import key_of
 from tandem.learn.networks import ACTIVATIONS
-from tandem.learn.settings import counts, must_hold, one_of
+from tandem.learn.settings import (
+    Count,
+    NotNegative,
+    Positive,
+    Share,
+    Units,
+    checked,
+    must_hold,
+)
 from tandem.learn.world import StageValues
 
 MOST_STEPS = 2**22
 """Steps of a rollout that are held at once; a few gigabytes for a cell of a dozen tasks."""
 
-MOST_LAYERS, MOST_UNITS = 16, 4096
-"""Of a network, and of one of its layers."""
+MOST_LAYERS = 16
+"""Of a network."""
+
+Steps = Annotated[int, Field(ge=1, le=MOST_STEPS)]
 
 
+@checked
 @dataclass(frozen=True)
 class Stage:
     """A stretch of the training. It ends with `episodes` or `steps`, whichever comes first; one of
@@ -35,26 +45,16 @@ class Stage:
       normalise_advantages: bring the advantages of a rollout to mean 0 and spread 1, per agent.
     """
 
-    episodes: int | None = None
-    steps: int | None = None
-    entropy: float = 0.01
-    learning_rate: float = 1e-4
+    episodes: Count | None = None
+    steps: Count | None = None
+    entropy: NotNegative = 0.01
+    learning_rate: Positive = 1e-4
     idle: float = 0.0
     normalise_advantages: bool = True
 
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def faults(self) -> Iterator[str]:
-        """What is wrong with it."""
+    def __post_init__(self) -> None:
         if self.episodes is None and self.steps is None:
-            yield "episodes and steps: says neither, so it would never end."
-        yield from counts(self, ("episodes", "steps"))
-        if not (math.isfinite(self.entropy) and self.entropy >= 0):
-            yield f"entropy {self.entropy}: must be a number, 0 or more."
-        if not (math.isfinite(self.learning_rate) and self.learning_rate > 0):
-            yield f"learning_rate {self.learning_rate}: must be more than 0."
-        if not math.isfinite(self.idle):
-            yield f"idle {self.idle}: must be a finite number."
+            must_hold(["episodes and steps: says neither, so it would never end."])
 
     def values(self) -> StageValues:
         """As numbers; a missing limit is the largest count there is."""
@@ -69,6 +69,7 @@ class Stage:
         )
 
 
+@checked
 @dataclass(frozen=True)
 class Config:
     """Independent PPO (Schulman et al. 2017, arXiv:1707.06347), and how it is run.
@@ -96,75 +97,42 @@ class Config:
         is; else one each.
     """
 
-    stages: tuple[Stage, ...]
-    environments: int = 64
-    horizon: int = 64
+    stages: Annotated[tuple[Stage, ...], Field(min_length=1)]
+    environments: Steps = 64
+    horizon: Steps = 64
     stop_at_end: bool = False
-    episode_limit: int | None = None
-    minibatch: int = 1024
-    epochs: int = 4
-    discount: float = 1.0
-    gae: float = 0.95
-    clip: float = 0.2
-    value_weight: float = 0.5
-    gradient_limit: float | None = 0.5
-    hidden: tuple[int, ...] = (64, 64)
-    activation: str = "tanh"
+    episode_limit: Count | None = None
+    minibatch: Steps = 1024
+    epochs: Count = 4
+    discount: Share = 1.0
+    gae: Share = 0.95
+    clip: Annotated[float, Field(gt=0, lt=1)] = 0.2
+    value_weight: NotNegative = 0.5
+    gradient_limit: Positive | None = 0.5
+    hidden: Annotated[tuple[Units, ...], Field(min_length=1, max_length=MOST_LAYERS)] = (64, 64)
+    activation: Annotated[str, key_of(ACTIVATIONS)] = "tanh"
     masked: bool = True
     normalise_returns: bool = True
     share_actor: bool = False
     share_critic: bool = False
 
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
     def __post_init__(self) -> None:
         must_hold(self.faults())
 
     def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it."""
-        if not self.stages:
-            yield "stages: none given; a training needs at least one."
-        for index, stage in enumerate(self.stages):
-            yield from (f"stages.{index}.{fault}" for fault in stage.faults())
-        yield from counts(self, ("environments", "horizon", "minibatch"), most=MOST_STEPS)
-        yield from counts(self, ("epochs", "episode_limit"))
-        for name in ("discount", "gae"):
-            if not 0 <= getattr(self, name) <= 1:
-                yield f"{name} {getattr(self, name)}: must lie between 0 and 1."
-        if not 0 < self.clip < 1:
-            yield f"clip {self.clip}: must lie between 0 and 1."
+        """What is wrong with settings that each are right."""
         if self.stop_at_end and self.environments != 1:
             yield f"stop_at_end: needs environments = 1, not {self.environments}."
-        for name, least in (("value_weight", 0), ("gradient_limit", 1e-9)):
-            value = getattr(self, name)
-            if value is not None and not least <= value < math.inf:
-                yield (
-                    f"{name} {value}: must be"
-                    f" {'0 or more' if least == 0 else 'more than 0, or null for no limit'}."
-                )
         if self.environments * self.horizon > MOST_STEPS:
             yield (
                 f"environments {self.environments} x horizon {self.horizon}: at most {MOST_STEPS:,}"
                 " steps are held at once."
             )
-        if (
-            not self.stop_at_end
-            and self.minibatch > 0
-            and (self.environments * self.horizon) % self.minibatch
-        ):
+        if not self.stop_at_end and (self.environments * self.horizon) % self.minibatch:
             yield (
                 f"minibatch {self.minibatch}: must divide environments x horizon ="
                 f" {self.environments * self.horizon}."
             )
-        if (
-            not 1 <= len(self.hidden) <= MOST_LAYERS
-            or not 1 <= min(self.hidden) <= max(self.hidden) <= MOST_UNITS
-        ):
-            yield (
-                f"hidden {list(self.hidden)}: needs 1 to {MOST_LAYERS} layers, each of 1 to"
-                f" {MOST_UNITS:,} units."
-            )
-        yield from one_of(self, "activation", ACTIVATIONS)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""

@@ -8,13 +8,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol, TypeVar
 
-from pydantic import ConfigDict
-
-from tandem.learn.forms import STRICT
 from tandem.learn.ppo.config import Config, Stage
-from tandem.learn.settings import must_hold
+from tandem.learn.settings import checked, must_hold
 
 
+@checked
 @dataclass(frozen=True)
 class Recipe:
     """How one decider learns to act for all operators of a cell, any number of them.
@@ -31,7 +29,6 @@ class Recipe:
     what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "ppo"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
     def __post_init__(self) -> None:
         must_hold(self.faults())

@@ -49,7 +49,8 @@ class Trainee:
         assert isinstance(order.recipe, Recipe)
         self.order, self.recipe, self.names = order, order.recipe, Names.of(order.cell)
         arrays, weights = self.names.arrays(), (1.0, order.stress_factor / SECOND)
-        self.crowd = crowd(order.recipe.people, self.names, arrays, part="train")
+        # a run's people are read from its folder again, and no file makes code run
+        self.crowd = crowd(order.recipe.people, self.names, arrays, part="train", dotted=False)
         self.world = BesidePeople.of(self.crowd, weights=weights, seed=order.seeds[0])
         # Beside whom it is judged: one who does all that is asked, the same for the drawn plays,
         # and the people of the recipe, if they are others.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +12,14 @@ import numpy as np
 
 from tandem.cell.model import Cell, plain
 from tandem.errors import NothingFoundError, UsageError
+from tandem.learn.baseline import best_rule
 from tandem.learn.episodes import at_random
-from tandem.learn.results import Reached, relative_gap
+from tandem.learn.results import Reached, cost, dominating, relative_gap
 from tandem.learn.training.algorithms import trainee
 from tandem.learn.training.runs import RunFolder, asked_cell
 from tandem.learn.training.trainer import order_of
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
-from tandem.plan.rules import RULES
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 
@@ -36,6 +37,9 @@ class Line:
       gap: how far the weighted cost is above the least on the exact front, as a share.
       schedule: of a single finished episode that keeps to the cell; `faults` says why there is
         none.
+      beaten_by: of a single episode, the point of the exact front that is at least as good in both
+        and better in one; None where there is none. With a gap of 0 the other number is not the
+        best.
     """
 
     player: str
@@ -49,6 +53,7 @@ class Line:
     gap: float | None
     schedule: Schedule | None = None
     faults: tuple[str, ...] = ()
+    beaten_by: tuple[float, float] | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -68,6 +73,7 @@ class Line:
         }
         return {
             **parts,
+            "beaten_by": None if self.beaten_by is None else list(map(plain, self.beaten_by)),
             "assignments": self.schedule.to_list() if self.schedule else None,
             "faults": list(self.faults),
         }
@@ -179,30 +185,28 @@ def _line(
         relative_gap(front, makespan, stress, **paid),
         alone if ended and not wrong else None,
         tuple(wrong),
+        dominating(front, makespan, stress) if len(ended) == 1 else None,
     )
 
 
 def _best_rule(cell: Cell, front: Front | None, paid: dict[str, Any]) -> Line | None:
-    """The dispatch rule whose best schedule costs least under these rewards; the random rules are
-    no rules.
-    """
-    found = []
-    for name in RULES:
-        if name in ("random", "best-of-n"):
-            continue
-        try:
-            for result in plan(cell, method=name, seed=0):
-                gap = relative_gap(front, result.makespan, result.stress, **paid)
-                found.append((gap, result.makespan, result.stress, name, result.schedule))
-        except NothingFoundError:
-            continue
-    if not found:
+    """The dispatch rule whose best schedule costs least under these rewards."""
+    best = best_rule(cell, partial(cost, **paid))
+    if best is None:
         return None
-    gap, makespan, stress, name, schedule = min(
-        found, key=lambda item: (item[0] if item[0] is not None else item[1], item[3])
-    )
+    makespan, stress = best.result.makespan, best.result.stress
     return Line(
-        f"rule {name}", 1, 1.0, plain(makespan), plain(stress), None, None, 0.0, gap, schedule
+        f"rule {best.name}",
+        1,
+        1.0,
+        plain(makespan),
+        plain(stress),
+        None,
+        None,
+        0.0,
+        relative_gap(front, makespan, stress, **paid),
+        best.result.schedule,
+        beaten_by=dominating(front, makespan, stress),
     )
 
 

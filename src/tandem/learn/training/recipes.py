@@ -15,16 +15,39 @@ from tandem.learn.dqn.recipes import DQN
 from tandem.learn.forms import SettingsError
 from tandem.learn.ppo.recipes import RESPONSE, TANDEM
 from tandem.learn.settings import read
+from tandem.learn.training.algorithms import ALGORITHMS
 
-RECIPES: Mapping[str, AnyRecipe] = Table(
-    "recipes", {"tandem": TANDEM, "response": RESPONSE, "alphazero": ALPHAZERO, "dqn": DQN}
+
+def theirs(home: str, found: Any) -> AnyRecipe:
+    """A recipe that others add. Raises UsageError for what is none."""
+    missing = [name for name in ("algorithm", "what", "to_dict") if not hasattr(found, name)]
+    if missing or isinstance(found, type):
+        raise UsageError(
+            f"{home}: is {found!r}, and no recipe. A recipe is a frozen dataclass as"
+            " tandem.learn.algorithm.AnyRecipe says, such as dataclasses.replace of one that is"
+            " there."
+        )
+    if found.algorithm not in ALGORITHMS:
+        raise UsageError(
+            f"{home}: is a recipe for the algorithm {found.algorithm!r}, which nobody adds. There"
+            f" are {', '.join(ALGORITHMS)}; one of your own is an entry point of the group"
+            " tandem.algorithms, so that a run that was stopped can go on."
+        )
+    made: AnyRecipe = found
+    return made
+
+
+RECIPES: Table[AnyRecipe] = Table(
+    "recipes", {"tandem": TANDEM, "response": RESPONSE, "alphazero": ALPHAZERO, "dqn": DQN}, theirs
 )
-"""Name -> recipe. A new one is a line here, or an entry point of the group `tandem.recipes`."""
+"""Name -> recipe. A new one is a line here, an entry point of the group `tandem.recipes`, or
+anybody's by its dotted name.
+"""
 
 
 def kinds() -> dict[str, type[AnyRecipe]]:
     """Algorithm -> the form of its recipes."""
-    return {known.algorithm: type(known) for known in RECIPES.values()}
+    return {known.algorithm: type(known) for known in RECIPES.sound().values()}
 
 
 def recipe(name: str) -> AnyRecipe:

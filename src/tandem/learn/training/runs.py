@@ -353,7 +353,8 @@ def new_folder(cell: Cell, recipe: str) -> Path:
     """A folder name under `runs/` that nothing has yet: cell, recipe, time."""
     words = "".join(letter if letter.isalnum() else "-" for letter in (cell.name or "cell").lower())
     name = (
-        f"{'-'.join(filter(None, words.split('-')))[:40]}-{recipe}-{datetime.now():%Y%m%d-%H%M%S}"
+        f"{'-'.join(filter(None, words.split('-')))[:40]}-{recipe.replace(':', '-')}"
+        f"-{datetime.now():%Y%m%d-%H%M%S}"
     )
     path, number = RUNS / name, 2
     while path.exists():

@@ -166,7 +166,7 @@ def resume(
 def exact_front(cell: Cell, limit: float) -> Front | None:
     """The planner's front, complete or not; None when it found nothing within the limit."""
     try:
-        return plan(cell, time_limit=limit, seed=0, settle=False)
+        return plan(cell, time_limit=limit, seed=0, settle=False, confirm=False)
     except NothingFoundError:
         return None
 

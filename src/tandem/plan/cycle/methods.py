@@ -13,7 +13,7 @@ from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError, 
 from tandem.plan.cycle import exact, network
 from tandem.plan.cycle.question import CycleQuestion
 from tandem.plan.cycle.result import CycleFront
-from tandem.plan.infeasible import reasons
+from tandem.plan.infeasible import infeasible
 from tandem.plan.methods import MOST_TASKS, check_effort
 from tandem.plan.question import Question
 from tandem.schedule.cycle_checker import not_periodic
@@ -100,7 +100,7 @@ def plan_cycle(
             on_point=on_point,
         )
     except InfeasibleError as error:
-        raise InfeasibleError(str(error), _reasons(cell, question, time_limit)) from error
+        raise _explained(error, cell, question, time_limit) from error
 
 
 def _check(method: str) -> None:
@@ -120,19 +120,22 @@ def _cannot_repeat(cell: Cell) -> list[Fault]:
     return wrong
 
 
-def _reasons(cell: Cell, question: CycleQuestion, time_limit: float | None) -> list[str]:
+def _explained(
+    error: InfeasibleError, cell: Cell, question: CycleQuestion, time_limit: float | None
+) -> InfeasibleError:
     """What could be had instead of a takt that cannot be kept; else what stands in the way of any
     schedule.
     """
     if question.takt is None:
-        return reasons(cell, Question(max_stress=question.max_stress))
+        return infeasible(str(error), cell, Question(max_stress=question.max_stress))
     without = replace(question, takt=None, minimize="cycle_time")
     try:
         best = exact.solve(cell, without, time_limit=time_limit)[0]
     except NothingFoundError:
-        return []
+        return error
     except InfeasibleError:
-        return reasons(cell, Question(max_stress=question.max_stress))
+        return infeasible(str(error), cell, Question(max_stress=question.max_stress))
     quickest = number(best.cycle_time)
     least = f"{quickest} s" if best.gap == 0 else f"at most {quickest} s"
-    return [f"the least cycle time that can be kept is {least} (stress {number(best.stress)})."]
+    said = f"the least cycle time that can be kept is {least} (stress {number(best.stress)})."
+    return InfeasibleError(str(error), [said])

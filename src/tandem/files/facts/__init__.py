@@ -1,0 +1,1 @@
+"""The door for facts about tasks: YAML, JSON and spreadsheets in, tasks ready to be scored out."""
