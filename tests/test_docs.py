@@ -157,7 +157,18 @@ def named_in_code(pattern: str) -> set[tuple[str, str]]:
 
 
 GROUPS = {
-    f"tandem.{name}" for name in ("environments", "gymnasium", "recipes", "algorithms", "deciders")
+    f"tandem.{name}"
+    for name in (
+        "environments",
+        "gymnasium",
+        "recipes",
+        "algorithms",
+        "deciders",
+        "policies",
+        "methods",
+        "people",
+        "rewards",
+    )
 }
 
 

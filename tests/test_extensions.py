@@ -196,3 +196,16 @@ def test_a_recipe_of_ones_own_is_checked_like_any(
     )
     assert run(["train", CELL, "--recipe", f"{home}:WIDE", "--set", "config.hidden=[0]"]) == 2
     assert "config.hidden [0]" in capsys.readouterr().err
+
+
+@needs_learn
+def test_a_refusal_names_the_recipes_that_can_take_the_cell(
+    capsys: Capture, tmp_path: Path
+) -> None:
+    crew = str(ROOT / "examples" / "crew.yaml")
+    assert run(["train", crew, "--recipe", "thesis", "--run", str(tmp_path / "run"), "-q"]) == 3
+    *_, last = capsys.readouterr().err.strip().splitlines()
+    named = last.partition("trained with ")[2].partition(":")[0].split(", ")
+    assert {"tandem", "response", "alphazero", "dqn"} <= set(named)
+    assert not {"thesis", "station", "yu2020"} & set(named)
+    assert not (tmp_path / "run").exists()

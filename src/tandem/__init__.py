@@ -17,7 +17,6 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.cell.parts import Operator, Task, Together, Tool, Zone
-    from tandem.dispatch.evaluation.trial import judge
     from tandem.errors import (
         CellError,
         Fault,
@@ -37,6 +36,8 @@ if TYPE_CHECKING:
     from tandem.plan.result import Front, Result
     from tandem.schedule.checker import faults
     from tandem.schedule.model import Assignment, Schedule
+
+    judge: Any  # `tandem.dispatch.evaluation.trial.judge`; rooms below it import this face
 
 __all__ = [
     "Assignment",

@@ -1,4 +1,4 @@
-"""What learns nothing: the best dispatch rule for a cell, the yardstick of every table."""
+"""What learns nothing: the best dispatch rule for a cell, which all learners are held against."""
 
 from __future__ import annotations
 

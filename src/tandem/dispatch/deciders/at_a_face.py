@@ -50,7 +50,7 @@ def of_gymnasium(
       act: the action for what is seen; of SB3's models `lambda seen: model.predict(seen,
         deterministic=True)[0]`. The same observation has to give the same action.
       asks: as it was trained: with False people are never its turn.
-      room: as it was trained: of a face of several cells `env.unwrapped.cells.room`.
+      room: as it was trained; of a face of several cells `env.unwrapped.cells.room`.
       objective: its `max_stress` limits what is offered.
 
     Raises CellError for a cell that the world cannot hold.
@@ -71,7 +71,7 @@ def of_pettingzoo(
     Args:
       act: the action of an agent (`robot_0`, `human_0`, ...) for what it sees. Robots do theirs,
         people are asked for theirs.
-      room: as they were trained: of a face of several cells `env.cells.room`.
+      room: as they were trained; of a face of several cells `env.cells.room`.
       objective: its `max_stress` limits what is offered.
 
     Raises CellError for a cell that the world cannot hold.

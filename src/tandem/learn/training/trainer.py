@@ -5,8 +5,8 @@ a checkpoint at every interval.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,13 @@ import jax
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError, NothingFoundError, UsageError
+from tandem.errors import CellError, Fault, NothingFoundError, TandemError, UsageError
 from tandem.learn.algorithm import AnyRecipe, Row, TrainingOrder
 from tandem.learn.forms import SettingsError, unreadable
 from tandem.learn.room import make_room
 from tandem.learn.training import checkpoint
 from tandem.learn.training.algorithms import FORMERLY, algorithm
-from tandem.learn.training.recipes import recipe, recipe_from
+from tandem.learn.training.recipes import RECIPES, recipe, recipe_from
 from tandem.learn.training.results import gap, result
 from tandem.learn.training.runs import Asked, RunFolder, asked_cell, new_folder
 from tandem.learn.training.state import Training
@@ -115,12 +115,32 @@ def train(
         stress_factor,
         front_limit,
     )
-    learner = algorithm(order)
+    try:
+        learner = algorithm(order)
+    except CellError as error:
+        raise CellError([*error.faults, *_other_recipes(order)]) from None
     run = RunFolder(Path(folder) if folder else new_folder(cell, recipe_name))
     run.begin(order.to_dict())
     training = Training(order, run, learner, exact_front(cell, front_limit), learner.begin())
     _save(training)
     return _go_on(training, tensorboard, on_progress)
+
+
+def _other_recipes(order: TrainingOrder) -> Iterator[Fault]:
+    """Which recipes can take a cell that the order's cannot."""
+
+    def takes(name: str, other: AnyRecipe) -> bool:
+        try:
+            algorithm(replace(order, recipe=other, name=name))
+        except TandemError:
+            return False
+        return True
+
+    able = [name for name, other in RECIPES.sound().items() if takes(name, other)]
+    if able:
+        yield Fault(
+            f"this cell can be trained with {', '.join(able)}: tandem train CELL --recipe {able[0]}"
+        )
 
 
 def resume(
