@@ -57,11 +57,11 @@ def main() -> int:
     for tasks in options.tasks:
         rows.append(_of_size(tasks, options))
         print(_line(rows[-1]), flush=True)
-    if options.output:
-        about = {"command": "benchmarks/certificates.py", "solver": SOLVER, **vars(options)}
-        about.pop("output")
-        document = {**about, "rows": rows}
-        options.output.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+        if options.output:
+            about = {"command": "benchmarks/certificates.py", "solver": SOLVER, **vars(options)}
+            about.pop("output")
+            document = {**about, "rows": rows}
+            options.output.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
     return 0
 
 
