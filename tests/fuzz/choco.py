@@ -17,8 +17,9 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import version
+from math import inf
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -32,7 +33,8 @@ from tandem.plan.question import Question
 from tandem.plan.result import Front
 
 NODES = 40_000
-SECONDS = 4
+SECONDS = 600
+"""Choco gives up by nodes, so that a busy machine changes nothing; this only ends what hangs."""
 FOUND = Path("tandem-out", "fuzz")
 Data = dict[str, Any]
 
@@ -142,53 +144,88 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--store", type=Path, help="where the counts go, as JSON")
     parser.add_argument("--minutes", type=float, help="stop after so many")
     asked_for = parser.parse_args(arguments)
-    began, counts, seed = time.monotonic(), Counter[str](), asked_for.seed
-    kinds: dict[str, Counter[str]] = {}
-    agreed = 0
-    while agreed < asked_for.questions:
-        if asked_for.minutes and time.monotonic() - began > 60 * asked_for.minutes:
-            break
+    tally, seed = Tally(asked_for.seed), asked_for.seed
+    while tally.settled < asked_for.questions and tally.minutes < (asked_for.minutes or inf):
+        tally.take(seed)
+        seed += 1
+        if asked_for.store is not None:
+            # as far as it has come, so that a run may be stopped
+            text = json.dumps(tally.to_dict(), indent=1) + "\n"
+            asked_for.store.write_text(text, encoding="utf-8")
+    print("\n".join(tally.sentences()))
+    return int(tally.count("differ") > 0)
+
+
+@dataclass
+class Tally:
+    """What was asked of cells from the first seed on, and how it came out."""
+
+    first: int
+    began: float = field(default_factory=time.monotonic)
+    kinds: dict[str, Counter[str]] = field(default_factory=dict)
+    cells: int = 0
+    not_proven: int = 0
+
+    def take(self, seed: int) -> None:
+        """Asks about the cell of this seed; what differs is stored."""
+        self.cells += 1
         try:
             for asked in questions(Random(seed)):
                 said = settled(asked)
-                outcome = (
-                    "not settled" if said is None else "agreed" if said == asked.right else "differ"
-                )
+                agreed = "agreed" if said == asked.right else "differ"
+                outcome = "not settled" if said is None else agreed
                 kind = f"{asked.kind}: {'yes' if asked.right else 'no'}"
-                kinds.setdefault(kind, Counter())[outcome] += 1
-                counts[outcome] += 1
+                self.kinds.setdefault(kind, Counter())[outcome] += 1
                 if outcome == "differ":
                     FOUND.mkdir(parents=True, exist_ok=True)
                     place = FOUND / f"choco-{seed}-{asked.kind.replace(' ', '-')}.json"
                     place.write_text(json.dumps(vars(asked), indent=1) + "\n", encoding="utf-8")
                     print(f"seed {seed}: {asked.kind}: Choco says {said}. Stored as {place}.")
         except NothingFoundError:
-            counts["cells not proven"] += 1
-        counts["cells"] += 1
-        agreed = counts["agreed"] + counts["differ"]
-        seed += 1
-    print(f"{counts['cells']} cells, {agreed} questions settled by both engines:")
-    for kind, row in sorted(kinds.items()):
-        print(f"  {kind:<24} {row['agreed']} agreed, {row['differ']} differ,", end="")
-        print(f" {row['not settled']} not settled by Choco")
-    print(f"{counts['differ']} differ. {time.monotonic() - began:.0f} s.")
-    if asked_for.store is not None:
-        document = {
-            "command": f"python3 dev.py fuzz choco --questions {asked_for.questions}"
-            f" --seed {asked_for.seed}",
+            self.not_proven += 1
+
+    def count(self, outcome: str) -> int:
+        """Questions that came out so."""
+        return sum(row[outcome] for row in self.kinds.values())
+
+    @property
+    def settled(self) -> int:
+        """Questions that both engines have answered."""
+        return self.count("agreed") + self.count("differ")
+
+    @property
+    def minutes(self) -> float:
+        """Since it began."""
+        return (time.monotonic() - self.began) / 60
+
+    def sentences(self) -> list[str]:
+        """What is printed."""
+        rows = [
+            f"  {kind:<24} {row['agreed']} agreed, {row['differ']} differ,"
+            f" {row['not settled']} not settled by Choco"
+            for kind, row in sorted(self.kinds.items())
+        ]
+        return [
+            f"{self.cells} cells, {self.settled} questions settled by both engines:",
+            *rows,
+            f"{self.count('differ')} differ. {60 * self.minutes:.0f} s.",
+        ]
+
+    def to_dict(self) -> dict[str, Any]:
+        """What is stored."""
+        return {
+            "command": f"python3 dev.py fuzz choco --questions {self.settled} --seed {self.first}",
             "engines": [f"ortools {version('ortools')}", f"pychoco {version('pychoco')}"],
             "tasks": [20, 30],
-            "limits": {"nodes": NODES, "seconds": SECONDS},
-            "cells": counts["cells"],
-            "cells_not_proven": counts["cells not proven"],
-            "questions_settled": agreed,
-            "differ": counts["differ"],
-            "not_settled": counts["not settled"],
-            "by_kind": {kind: dict(row) for kind, row in sorted(kinds.items())},
-            "wall_s": round(time.monotonic() - began),
+            "nodes": NODES,
+            "cells": self.cells,
+            "cells_not_proven": self.not_proven,
+            "questions_settled": self.settled,
+            "differ": self.count("differ"),
+            "not_settled": self.count("not settled"),
+            "by_kind": {kind: dict(row) for kind, row in sorted(self.kinds.items())},
+            "wall_s": round(60 * self.minutes),
         }
-        asked_for.store.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
-    return int(counts["differ"] > 0)
 
 
 if __name__ == "__main__":
