@@ -147,7 +147,7 @@ EASY_WORK = STRETCH_WORK / 2
 """With less work than this a stretch was easy, and a longer one may be tried."""
 LEAST_SPENT = 0.002
 """Deterministic seconds that a question counts besides its own, for stating it."""
-FIRST_TURN = 1.0
+FIRST_TURN = 0.4
 """Deterministic seconds for a lone prover's first turn at both models; the next has twice that."""
 ROWS_WORK = 0.25
 """Deterministic seconds at first for the implied rows beside a plain model: they prove soon, or
