@@ -54,7 +54,7 @@ def test_a_plain_model_begins_with_the_incumbent_beside_the_rows_below_it(asked,
 
 
 def test_both_models_have_their_turn_where_work_is_counted(asked):
-    plan(layered(24, 2, 2, seed=3), minimize="makespan", work=0.5)
+    plan(layered(30, 3, 2, seed=0), minimize="makespan", work=0.5)
     assert {rows for rows, _, _ in asked} == {True, False}
 
 

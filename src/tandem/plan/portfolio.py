@@ -131,7 +131,7 @@ REFUTE_NEAR = 0.9
 """It begins when the bound has come so near to the incumbent: far from it there is too much to
 refute.
 """
-REFUTE_S = 4.0
+REFUTE_S = 8.0
 """Processor seconds for it: it works fast or not at all."""
 PATIENCE = 60
 """With one worker: so many stretches in a row without an improvement before CP-SAT has its turn."""
@@ -525,7 +525,7 @@ class Race:
         return prove_makespan(
             self.instance,
             value // self.goal.time,
-            4 * REFUTE_S,
+            self.effort.left(),
             most_units=self.goal.max_stress,
             stop=stop,
         )
