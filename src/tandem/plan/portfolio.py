@@ -141,7 +141,7 @@ REFUTE_NEAR = 0.9
 """It begins when the bound has come so near to the incumbent: far from it there is too much to
 refute.
 """
-REFUTE_S = 4.0
+REFUTE_S = 8.0
 """Processor seconds for it: it works fast or not at all."""
 PATIENCE = 60
 """With one worker: so many stretches in a row without an improvement before CP-SAT has its turn."""
@@ -171,7 +171,7 @@ EASY_WORK = STRETCH_WORK / 2
 """With less work than this a stretch was easy, and a longer one may be tried."""
 LEAST_SPENT = 0.002
 """Deterministic seconds that a question counts besides its own, for stating it."""
-FIRST_TURN = 1.0
+FIRST_TURN = 0.4
 """Deterministic seconds for a lone prover's first turn at both models; the next has twice that."""
 ROWS_WORK = 0.25
 """Deterministic seconds at first for the implied rows beside a plain model: they prove soon, or
@@ -587,7 +587,7 @@ class Race:
         return prove_makespan(
             self.instance,
             value // self.goal.time,
-            4 * REFUTE_S,
+            self.effort.left(),
             most_units=self.goal.max_stress,
             stop=stop,
         )
