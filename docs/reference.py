@@ -17,7 +17,7 @@ import click
 from tandem.cell.model import Cell
 from tandem.cell.parts import Operator, Task, Together, Tool, Wait, Zone
 from tandem.files.schema import schema
-from tandem.lab.published import published
+from tandem.lab.published import PUBLISHED, published
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -219,13 +219,14 @@ def published_reference() -> str:
     rows = ["| feature | system | published | rebuilt here |", "|---|---|---|---|"]
     systems = stored["features"]
     for feature in next(iter(systems.values())):
-        for place, (system, entries) in enumerate(systems.items()):
+        for place, system in enumerate(PUBLISHED):
+            entry = systems.get(system, {}).get(feature, {"value": "see the page"})
             claim = published(system, feature)
             source = f" ({claim.source})" if claim.source else ""
             named = f"**{feature}**" if place == 0 else ""
             rows.append(
                 f"| {named} | `{system}` | {_cell(claim.value + source)}"
-                f" | {_cell(entries[feature]['value'])} |"
+                f" | {_cell(entry['value'])} |"
             )
     made = f"Right column: `{stored['command']}`, tandem {stored['tandem']}."
     return "\n".join([*rows, "", made])
