@@ -4,8 +4,11 @@ finds is sound and repeats.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import time
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -122,3 +125,27 @@ def test_without_the_compiler_stretches_do_the_work(monkeypatch: pytest.MonkeyPa
     assert insertion.moves() is None
     assert not insertion.is_loading()
     assert len(front) == 1
+
+
+def test_a_command_that_is_over_sooner_leaves_the_code_to_the_next(tmp_path: Path) -> None:
+    code = (
+        "from tandem.plan import insertion, insertion_moves;"
+        "print(insertion_moves.is_kept()); insertion.load(); insertion._loading[0].join(2)"
+    )
+    kept = "from tandem.plan import insertion_moves; print(insertion_moves.is_kept())"
+
+    def said(program: str) -> str:
+        return subprocess.run(
+            [sys.executable, "-c", program],
+            env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.strip()
+
+    assert said(code) == "False"
+    for _ in range(300):
+        if list(tmp_path.rglob("insertion_moves.rounds-*.nbi")):
+            break
+        time.sleep(0.5)
+    assert said(kept) == "True"

@@ -7,11 +7,14 @@ Cells that ask for more are left to stretches (`lns.py`). What comes out is an o
 which list scheduling makes the schedule, and the door judges it.
 
 The compiler is Numba, which takes a while to import and, once for each installation, several
-seconds to compile. So it is loaded when a cell is large enough to need it, in the background.
+seconds to compile. So it is loaded when a cell is large enough to need it, in the background, and
+compiled by a process of its own, which outlives a command that is over sooner.
 """
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 from collections.abc import Sequence
 from itertools import accumulate, chain
@@ -221,14 +224,10 @@ _loading: list[threading.Thread] = []
 
 
 def load() -> None:
-    """Begins to load the compiled code in the background, if nobody has begun yet.
-
-    The thread is waited for when the process ends, so that what it compiles is kept for the next
-    time.
-    """
+    """Begins to load the compiled code in the background, if nobody has begun yet."""
     with _lock:
         if not _loading:
-            _loading.append(threading.Thread(target=_load))
+            _loading.append(threading.Thread(target=_load, daemon=True))
             _loading[0].start()
 
 
@@ -250,6 +249,24 @@ def moves() -> ModuleType | None:
     return _loaded[0] if _loaded else None
 
 
+COMPILE = "from tandem.plan import insertion_moves; insertion_moves.warm()"
+
+
+def _compile() -> None:
+    """Has the code compiled by another process, and waits for it. Neither Ctrl-C nor the end of
+    this one ends it, so that the next command finds the code.
+    """
+    nothing = subprocess.DEVNULL
+    subprocess.run(
+        [sys.executable, "-P", "-c", COMPILE],
+        stdin=nothing,
+        stdout=nothing,
+        stderr=nothing,
+        start_new_session=True,
+        check=False,
+    )
+
+
 def _load() -> None:
     found: ModuleType | None = None
     try:
@@ -257,6 +274,8 @@ def _load() -> None:
 
         if not insertion_moves.is_kept():
             _compiling.set()
+            if insertion_moves.can_be_kept() and sys.executable:
+                _compile()
         insertion_moves.warm()
         found = insertion_moves
     except ImportError:

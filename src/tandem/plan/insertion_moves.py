@@ -494,10 +494,18 @@ def rounds(parts: Parts, walk: Walk, aim: Aim, visits: int) -> int:
     return spent
 
 
+def can_be_kept() -> bool:
+    """Whether there is a place for compiled code."""
+    return rounds.stats.cache_path is not None
+
+
 def is_kept() -> bool:
-    """Whether an earlier process has left compiled code, maybe of another version."""
-    folder = rounds.stats.cache_path
-    return folder is not None and any(Path(folder).glob("insertion_moves.rounds-*.nbi"))
+    """Whether an earlier process has left what it compiled of this very file."""
+    if not can_be_kept():
+        return False
+    since = Path(__file__).stat().st_mtime
+    kept = Path(rounds.stats.cache_path).glob("insertion_moves.rounds-*.nbi")
+    return any(index.stat().st_mtime >= since for index in kept)
 
 
 def warm() -> None:
