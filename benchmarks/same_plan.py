@@ -24,7 +24,7 @@ from typing import Any
 
 from tandem.files.generators import layered
 from tandem.plan.cpsat import SOLVER
-from tandem.plan.portfolio import SMALL
+from tandem.plan.race import SMALL
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 WORKERS = (1, 2, 4)

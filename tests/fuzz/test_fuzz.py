@@ -20,7 +20,7 @@ from tests.schedule.cells import thesis, thesis_schedule
 
 from tandem.cell.parts import Operator, TimeOff
 from tandem.files.validate import cell_of
-from tandem.plan import exact, portfolio
+from tandem.plan import exact, race
 from tandem.plan.methods import METHODS
 
 
@@ -41,7 +41,7 @@ def test_what_works_on_large_cells_is_right_on_small_ones(monkeypatch):
     cells that brute force can answer.
     """
     monkeypatch.setattr(exact, "SMALL", 0)
-    monkeypatch.setattr(portfolio, "SMALL", 0)
+    monkeypatch.setattr(race, "SMALL", 0)
     for seed in range(1001, 1081, 2):  # odd ones are planned by two workers
         assert judges.judge(seed).findings == []
 
@@ -87,7 +87,7 @@ def test_a_judge_that_leaves_out_a_point_is_caught(monkeypatch, tmp_path, capsys
         return replace(front, results=front.results[:1])
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(judges.METHODS, "exact", forgetful)
+    monkeypatch.setattr(judges, "METHODS", {**METHODS, "exact": forgetful})
     total = judges.run(20, seed=1, minutes=60, workers=1)
     assert total.findings
     found = total.findings[0]
@@ -107,7 +107,7 @@ def test_a_judge_that_crashes_is_caught(monkeypatch):
     def broken(*_, **__):
         raise OverflowError("too large")
 
-    monkeypatch.setitem(judges.METHODS, "exhaustive", broken)
+    monkeypatch.setattr(judges, "METHODS", {**METHODS, "exhaustive": broken})
     assert any(
         "OverflowError: too large" in finding.said
         for finding in judges.judge(1).findings + judges.judge(2).findings
@@ -164,7 +164,7 @@ def test_the_verb_lists_the_programs_and_refuses_others():
         [sys.executable, "dev.py", "fuzz", "jugdes"], cwd=root, capture_output=True, text=True
     )
     assert unknown.returncode == 2
-    assert "nothing is called 'jugdes'; there are cycles, judges" in unknown.stderr
+    assert "nothing is called 'jugdes'; there are choco, cycles" in unknown.stderr
 
 
 PROPERTY = """

@@ -16,11 +16,11 @@ from tandem.plan.archive import Archive
 from tandem.plan.bounds import closed_forms, least_makespan
 from tandem.plan.confirm import confirm_none, opinion
 from tandem.plan.door import RefusedScheduleWarning
+from tandem.plan.goal import Goal
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Method
 from tandem.plan.methods import METHODS, plan
-from tandem.plan.portfolio import Goal
 from tandem.plan.provers import Prover, Step, rising
 from tandem.plan.question import Question
 from tandem.plan.result import Front, Outcome, Status
@@ -128,7 +128,9 @@ def test_a_proof_that_the_dynamic_program_contradicts_is_none(
     def wrong(*arguments: object, **options: object) -> Front:
         return without_its_best_point(exact(*arguments, **options))  # type: ignore[arg-type]
 
-    monkeypatch.setitem(METHODS, "exact", replace(METHODS["exact"], solve=wrong))
+    monkeypatch.setattr(
+        methods, "METHODS", {**METHODS, "exact": replace(METHODS["exact"], solve=wrong)}
+    )
     with pytest.warns(RefusedScheduleWarning, match="two proofs contradict each other"):
         front = plan(thesis(), workers=1)
     assert not front.complete
@@ -144,7 +146,9 @@ def test_an_infeasibility_that_the_dynamic_program_contradicts_is_none(
     def wrong(*arguments: object, **options: object) -> Front:
         raise InfeasibleError("no schedule keeps the cell's own limits; this is proven.")
 
-    monkeypatch.setitem(METHODS, "exact", replace(METHODS["exact"], solve=wrong))
+    monkeypatch.setattr(
+        methods, "METHODS", {**METHODS, "exact": replace(METHODS["exact"], solve=wrong)}
+    )
     with pytest.raises(NothingFoundError, match="two proofs contradict each other"):
         plan(thesis(), workers=1)
 

@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 
 from tandem.files.generators import layered
-from tandem.plan import cpsat, portfolio
+from tandem.plan import cpsat, proving
 from tandem.plan.methods import plan
 
 Asked = list[tuple[bool, bool, int]]
@@ -20,7 +20,7 @@ last beyond the horizon.
 def asked(monkeypatch) -> Asked:
     """What is asked while the test runs."""
     found: Asked = []
-    formulate = portfolio.formulate
+    formulate = proving.formulate
 
     def noted(instance, upper, rules):
         if rules is not cpsat.ALLOCATION:
@@ -38,7 +38,7 @@ def asked(monkeypatch) -> Asked:
             return decisions
         return formulate(instance, upper, rules)
 
-    monkeypatch.setattr(portfolio, "formulate", noted)
+    monkeypatch.setattr(proving, "formulate", noted)
     return found
 
 

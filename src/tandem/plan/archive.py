@@ -12,9 +12,9 @@ from typing import NamedTuple
 from tandem.cell.model import Cell
 from tandem.plan.bounds import chain_bound, least_stress, one_operator_bound
 from tandem.plan.door import Admitted
+from tandem.plan.goal import Goal
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
-from tandem.plan.portfolio import Goal
 from tandem.plan.provers import Prover, Step, rising
 from tandem.plan.result import Bound, Result, Status
 

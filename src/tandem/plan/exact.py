@@ -24,12 +24,14 @@ from tandem.plan.archive import Archive
 from tandem.plan.bounds import load_prices
 from tandem.plan.cpsat import SOLVER
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
+from tandem.plan.goal import Effort, Goal, GoalStatus, Meter
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Hint, Progress, schedules_in
-from tandem.plan.portfolio import SMALL, Effort, Goal, GoalStatus, Meter, Race
+from tandem.plan.portfolio import Portfolio
 from tandem.plan.provers import Prover, Step
 from tandem.plan.question import Question
+from tandem.plan.race import SMALL
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
 from tandem.plan.starts import Starts, appended, measures
@@ -352,7 +354,7 @@ class _Search:
         )
         known = goal.time * int(floor) + goal.stress * max(int(stress), 0)
         best = self.archive.best(goal)
-        race = Race(self.door, self.layout, goal, self._effort(), best, known)
+        race = Portfolio(self.door, self.layout, goal, self._effort(), best, known)
         try:
             return race.run()
         finally:

@@ -32,12 +32,14 @@ from tandem.plan.bounds import closed_forms, least_makespan
 from tandem.plan.change_terms import Aim, rules, what_changes
 from tandem.plan.cpsat import SOLVER, Decisions, formulate
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
+from tandem.plan.goal import Effort, Goal, GoalStatus, Meter
 from tandem.plan.in_the_way import in_the_way
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
-from tandem.plan.portfolio import LEAST_SPENT, Effort, Goal, GoalStatus, Meter, Race
+from tandem.plan.portfolio import Portfolio
 from tandem.plan.provers import Prover, Step, rising
 from tandem.plan.question import Question
+from tandem.plan.race import LEAST_SPENT
 from tandem.plan.replanned import Optimum, Replan, Replanned
 from tandem.plan.result import Bound, Status
 from tandem.plan.rules import SPECS, build
@@ -307,7 +309,7 @@ class _Search:
         fit = [known.admitted for known in self.known.values() if goal.allows(*_point(known))]
         best = min(fit, key=lambda admitted: goal.value(*admitted.point), default=None)
         known = self.floor if goal.time else 0
-        race = Race(self.door, self.layout, goal, effort, best, known, rules=self.rules)
+        race = Portfolio(self.door, self.layout, goal, effort, best, known, rules=self.rules)
         status = race.run()
         if meter is not None and share is not None:
             meter.spend(SHARE * meter.left - share.left)

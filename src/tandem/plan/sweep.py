@@ -36,7 +36,9 @@ from time import monotonic
 
 from tandem.plan.archive import Archive, Gap
 from tandem.plan.door import Door
-from tandem.plan.portfolio import Effort, Goal, Inbox, Race, hear
+from tandem.plan.goal import Effort, Goal
+from tandem.plan.portfolio import Portfolio
+from tandem.plan.race import Inbox, Race, hear
 
 FIRST_WORK = 0.25
 """CP-SAT's deterministic seconds for each question of the first round."""
@@ -229,7 +231,7 @@ class Sweep:
         self.asked += 1
         self.tried.add(goal)
         layout, known = self.archive.layout, self._known(goal)
-        race = Race(
+        race = Portfolio(
             self.door, layout, goal, effort, self.archive.best(goal), int(known), self.inbox
         )
         self.running[race], self.given[race] = goal, (monotonic(), effort.work or FIRST_WORK)

@@ -9,7 +9,7 @@ from time import monotonic
 
 from ortools.sat.python import cp_model
 
-from tandem.plan.portfolio import Meter
+from tandem.plan.goal import Meter
 
 
 @dataclass(frozen=True)

@@ -31,8 +31,9 @@ from tandem.plan.cycle.pattern import Pattern, launched, lifted, makespan, stack
 from tandem.plan.cycle.question import FRONT, CycleQuestion, whole
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.door import RefusedScheduleWarning
+from tandem.plan.goal import Meter
 from tandem.plan.instance import Instance
-from tandem.plan.portfolio import MANY_TICKS, Meter
+from tandem.plan.race import MANY_TICKS
 from tandem.plan.result import Status
 
 MANY = 24
