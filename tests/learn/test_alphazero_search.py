@@ -231,7 +231,7 @@ def test_a_trained_network_comes_back_whole(untrained, tmp_path):
         (lambda: YuSearch(simulations=0, exploration=-1), r"(?s)simulations 0.*exploration -1"),
         (lambda: Config(games=0, trust=2), r"(?s)games 0.*trust 2"),
         (lambda: YuConfig(outer=0, value_norm=(1.0, 0.0)), r"(?s)outer 0.*value_norm"),
-        (lambda: EpsilonGreedy(2), "between 0 and 1"),
+        (lambda: EpsilonGreedy(2), "share 2: must be at most 1"),
     ],
 )
 def test_what_a_configuration_must_be_is_said_all_at_once(make, message):

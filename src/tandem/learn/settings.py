@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from dataclasses import fields
 from functools import wraps
 from typing import Annotated, Any, TypeVar
 
@@ -36,11 +37,13 @@ def checked(form: type[Settings]) -> type[Settings]:
     """
     made: Any = validated(form, config=STRICT, frozen=True)
     plain = made.__init__
+    by_place = [field.name for field in fields(made) if not field.kw_only]
 
     @wraps(plain)
     def init(self: Any, *arguments: Any, **given: Any) -> None:
+        named = dict(zip(by_place, arguments, strict=False))  # so that faults say the name
         try:
-            plain(self, *arguments, **given)
+            plain(self, *arguments[len(named) :], **named, **given)
         except ValidationError as error:
             raise SettingsError(dict.fromkeys(complaints(made, error))) from None
 
