@@ -38,6 +38,7 @@ HELP: dict[str, Callable[[Any], str]] = {
     "tandem.envs.registry.PARALLEL": lambda home: first_line(resolved(home)),
     "tandem.envs.registry.SINGLE": lambda home: first_line(resolved(home)),
     "tandem.files.formats.table.FORMATS": lambda form: form.what,
+    "tandem.files.formats.table.WRITERS": lambda form: form.what,
     "tandem.lab.systems.SYSTEMS": lambda system: system.title,
     "tandem.lab.yu2020.players.PLAYERS": first_line,
     "tandem.learn.training.algorithms.ALGORITHMS": lambda home: first_line(resolved(home)),

@@ -195,7 +195,7 @@ def test_a_recipe_of_ones_own_is_checked_like_any(
         "WIDE = replace(TANDEM, config=replace(TANDEM.config, hidden=(8, 8)))\n"
     )
     assert run(["train", CELL, "--recipe", f"{home}:WIDE", "--set", "config.hidden=[0]"]) == 2
-    assert "config.hidden [0]" in capsys.readouterr().err
+    assert "config.hidden.0 0: must be 1 or more." in capsys.readouterr().err
 
 
 @needs_learn

@@ -97,7 +97,11 @@ def complaints(form: Any, error: ValidationError) -> Iterator[str]:
     """Everything that pydantic found wrong with data of a form, each value named by the way to it:
     `config.stages.0.entropy`.
     """
-    for item in error.errors(include_url=False):
+    found = error.errors(include_url=False)
+    within = {item["loc"][: len(item["loc"]) - 1] for item in found}
+    for item in found:
+        if item["type"] == "too_short" and item["loc"] in within:
+            continue  # it is said already what is wrong with the values that are there
         place = ".".join(map(str, item["loc"]))
         cause = item.get("ctx", {}).get("error")
         if isinstance(cause, SettingsError):

@@ -31,8 +31,8 @@ def about_the_plan(found: Replanned, t: Words) -> Iterator[str]:
     proof = t("replan.proven") if found.complete else _open(found, t)
     yield t("replan.new", **_worth(found[0], t), proof=proof)
     yield ""
-    yield _counted(found.changes, t)
-    yield from (f"  {_told(changed, t)}" for changed in found.changes.changed)
+    yield counted(found.changes, t)
+    yield from (f"  {told(changed, t)}" for changed in found.changes.changed)
 
 
 def rows_of_the_front(found: Replanned, t: Words) -> list[tuple[str, ...]]:
@@ -99,7 +99,7 @@ def _about_the_optimum(found: Replanned, t: Words) -> str:
     return f"{said}."
 
 
-def _counted(changes: Changes, t: Words) -> str:
+def counted(changes: Changes, t: Words) -> str:
     """How many tasks change, and how."""
     others, order, moves = changes.counts
     said = [
@@ -113,7 +113,7 @@ def _counted(changes: Changes, t: Words) -> str:
     return f"{', '.join(said)}."
 
 
-def _told(changed: Changed, t: Words) -> str:
+def told(changed: Changed, t: Words) -> str:
     """One task: what of it changes, who does it, and when it starts."""
     who = " + ".join(changed.after.operators)
     if changed.what == "operator":

@@ -23,7 +23,16 @@ from tandem.plan.choice import point_of
 from tandem.plan.cycle.result import CycleFront
 from tandem.plan.provers import Prover, Step
 from tandem.plan.question import Question
-from tandem.plan.result import Bound, Front, Quantiles, Result, Risk, Status
+from tandem.plan.result import (
+    Bound,
+    Confirmation,
+    Front,
+    Outcome,
+    Quantiles,
+    Result,
+    Risk,
+    Status,
+)
 from tandem.report.language import words
 from tandem.report.project import stale_at_home
 from tandem.report.results import (
@@ -273,7 +282,16 @@ def _front(document: Mapping[str, Any], cell: Cell) -> Front:
         out_of_time=document.get("ended_by") == "time",
         bound_front=_bound_front(document.get("bound_front")),
         open_area=document["open_area"] if is_number(document.get("open_area")) else None,
+        confirmation=_confirmation(document.get("confirmation")),
     )
+
+
+def _confirmation(told: Any) -> Confirmation | None:
+    """What the dynamic program said; nothing where the document does not hold it."""
+    try:
+        return Confirmation(Outcome(told["outcome"]), whole_of(told["states"]))
+    except (TypeError, KeyError, ValueError):
+        return None
 
 
 def _bound_front(told: Any) -> tuple[tuple[float, float], ...]:
