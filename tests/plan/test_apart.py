@@ -11,7 +11,7 @@ from tests.plan.test_judges import fixture
 from tandem.cell.model import Cell
 from tandem.errors import CellError
 from tandem.files.validate import cell_of
-from tandem.plan.infeasible import reasons
+from tandem.plan.infeasible import infeasible
 from tandem.plan.methods import METHODS
 from tandem.plan.question import Question
 from tandem.schedule.checker import faults
@@ -115,7 +115,7 @@ def too_tight() -> Cell:
 
 
 def test_a_cell_that_has_no_plan_for_it_is_told_so() -> None:
-    said = reasons(too_tight(), Question())
+    said = infeasible("", too_tight(), Question()).reasons
     assert "that zone fixture keeps human and robot apart" in said[0]
     assert (
         "Without that zone fixture keeps human and robot apart it works: 7 s with a stress of 0."

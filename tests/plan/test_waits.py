@@ -17,7 +17,7 @@ from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.files.validate import cell_of
 from tandem.plan import dynamic_programming, exact
 from tandem.plan.bounds import chain_bound, least_makespan, one_operator_bound
-from tandem.plan.infeasible import reasons
+from tandem.plan.infeasible import infeasible
 from tandem.plan.instance import Instance, Lag
 from tandem.plan.least_change import replan
 from tandem.plan.list_scheduling import Layout, by_start
@@ -156,7 +156,7 @@ def test_a_wait_missed_by_a_tick_of_many_is_ruled_out_at_once(breaks: list[list[
 
 
 def test_the_reasons_name_the_wait_and_what_it_would_give_to_lift_it() -> None:
-    assert reasons(cell_of(ALONE), Question()) == [
+    assert list(infeasible("", cell_of(ALONE), Question()).reasons) == [
         "that task press starts at most 60 s after task glue has ended cannot be kept.",
         "Without that task press starts at most 60 s after task glue has ended it works: 115 s with"
         " a stress of 0.",
