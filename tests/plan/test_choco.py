@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("pychoco", reason="needs pychoco, which the extra dev brings on Linux")
+pytest.importorskip("pychoco", reason="needs pychoco: pip install tandem[choco]")
 
 from tests.fuzz import choco as program
 from tests.fuzz.choco import Asked, questions, settled
