@@ -240,10 +240,12 @@ def risk_table(front: Front, language: str = "en") -> Table:
 
 
 def status(result: Result, language: str = "en") -> str:
-    """Proven, or how far the makespan is from its bound."""
+    """Proven, or how far the makespan is from its bound; where that is proven, stress is open."""
     t = words(language)
     if result.status == Status.OPTIMAL:
         return t("front.proven")
+    if result.gap <= 0:
+        return t("terminal.stress_open")
     return t("terminal.gap", gap=t.share(result.gap))
 
 
