@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+from hypothesis.database import DirectoryBasedExampleDatabase
 
 from tandem.cli.compiled import keep_compiled
 
@@ -32,7 +33,14 @@ pytest_plugins = ["tests.changed"]
 # No deadline: a busy machine is no fault of the code. The suite draws the same in every run, and
 # `dev.py fuzz properties` draws anew.
 settings.register_profile("tandem", deadline=None, derandomize=True)
-settings.register_profile("anew", deadline=None, print_blob=True)
+# Hypothesis itself draws the same, and keeps nothing, where it sees a CI.
+settings.register_profile(
+    "anew",
+    deadline=None,
+    derandomize=False,
+    print_blob=True,
+    database=DirectoryBasedExampleDatabase(".hypothesis/examples"),
+)
 settings.load_profile(os.environ.get("TANDEM_DRAWS", "tandem"))
 
 

@@ -193,7 +193,7 @@ def test_properties_are_drawn_anew_and_what_refutes_one_is_kept(tmp_path):
     (tmp_path / "test_drawn.py").write_text(PROPERTY, encoding="utf-8")
     shutil.copy(Path(__file__).parents[1] / "conftest.py", tmp_path)
     command = [sys.executable, "-m", "tests.fuzz.properties", "--rounds", "1", "test_drawn.py"]
-    path = {"PYTHONPATH": str(Path(__file__).parents[2])}
+    path = {"PYTHONPATH": str(Path(__file__).parents[2]), "CI": "true"}
     for _ in range(2):
         ended = subprocess.run(
             command, cwd=tmp_path, env=os.environ | path, capture_output=True, text=True
