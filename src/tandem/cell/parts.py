@@ -678,10 +678,10 @@ class Fields(Frozen):
 
     @cached_property
     def _modes(self) -> dict[str, tuple[Mode, ...]]:
-        return {name: tuple(self._modes_of(task)) for name, task in self.tasks.items()}
-
-    def _modes_of(self, task: Task) -> Iterator[Mode]:
         order = {name: place for place, name in enumerate(self.operators)}
+        return {name: tuple(self._modes_of(task, order)) for name, task in self.tasks.items()}
+
+    def _modes_of(self, task: Task, order: Mapping[str, int]) -> Iterator[Mode]:
         for name in sorted(task.time, key=order.__getitem__):
             yield Mode(
                 (name,),
@@ -702,7 +702,6 @@ class Fields(Frozen):
         self, operators: Iterable[str], stress: float | Mapping[str, float]
     ) -> dict[str, float]:
         humans = [name for name in operators if self.operators[name].kind == "human"]
-        return {
-            name: stress.get(name, 0.0) if isinstance(stress, Mapping) else stress
-            for name in humans
-        }
+        if isinstance(stress, Mapping):
+            return {name: stress.get(name, 0.0) for name in humans}
+        return dict.fromkeys(humans, stress)

@@ -103,12 +103,12 @@ def least_stress(layout: Layout) -> int | None:
 
 def chain_bound(layout: Layout) -> int:
     """Ticks on the longest chain of tasks, releases included, every task in its quickest step."""
-    return max(head + tail for head, tail in zip(heads(layout), layout.tail, strict=True))
+    return max(head + tail for head, tail in zip(layout.head, layout.tail, strict=True))
 
 
 def longest_chain(layout: Layout) -> list[int]:
     """The tasks, in order, of a chain that takes as long as `chain_bound` says."""
-    instance, head = layout.instance, heads(layout)
+    instance, head = layout.instance, layout.head
     length = chain_bound(layout)
     left = [task for task, ticks in enumerate(head) if ticks + layout.tail[task] == length]
     chain = left and [min(left, key=head.__getitem__)]
@@ -122,23 +122,6 @@ def longest_chain(layout: Layout) -> list[int]:
     return chain
 
 
-def heads(layout: Layout) -> list[int]:
-    """Per task, ticks before which it cannot start.
-
-    Because of releases, predecessors in their quickest steps, and operators who come later.
-    """
-    instance, quickest, head = layout.instance, layout.quickest, [0] * len(layout.steps)
-    for task in instance.order:
-        groups = (step.operators for step in layout.steps[task])
-        arrival = min((max(instance.arrival[o] for o in group) for group in groups), default=0)
-        ends = (head[first] + quickest[first] for first in instance.before[task])
-        head[task] = max([instance.release[task], arrival, *ends])
-        for lag in instance.lags_into[task] if instance.has_lags else ():
-            own = 0 if lag.from_start else quickest[lag.before]
-            head[task] = max(head[task], head[lag.before] + own + lag.least)
-    return head
-
-
 def one_operator_bound(layout: Layout) -> int:
     """Ticks: for each operator, the tasks that only they can do or take part in, one at a time,
     between their heads and tails.
@@ -148,7 +131,7 @@ def one_operator_bound(layout: Layout) -> int:
 
 def own_loads(layout: Layout) -> list[int]:
     """The same for each operator."""
-    head = heads(layout)
+    head = layout.head
     return [
         preemptive([(head[task], layout.quickest[task], layout.behind[task]) for task in mine])
         for mine in own_work(layout)

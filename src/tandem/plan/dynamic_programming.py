@@ -21,7 +21,7 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError
-from tandem.plan.bounds import heads, least_makespan, least_stress, load_prices
+from tandem.plan.bounds import least_makespan, least_stress, load_prices
 from tandem.plan.chronological import Branching, Key, Node
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
@@ -319,7 +319,7 @@ class Limits:
         self.layout, self.instance = layout, layout.instance
         self.least_ticks = least_makespan(layout)
         self.latest_end = layout.latest_ends(most_ticks)
-        self.head = heads(layout)
+        self.head = layout.head
         _, prices = load_prices(layout)
         self.prices = [round(1024 * price) for price in prices]
         self.table = (

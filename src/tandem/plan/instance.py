@@ -5,15 +5,15 @@ Only solvers read this form. The checker and the measures never do: they judge f
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
+from itertools import groupby
 from typing import Any, NamedTuple
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Tool, Zone
+from tandem.cell.parts import Mode, Tool, Zone
 from tandem.cell.precedence import between
 from tandem.schedule.model import Assignment, Schedule
 
@@ -47,8 +47,8 @@ class Way:
     @cached_property
     def units(self) -> tuple[tuple[int, int], ...]:
         """`(tool, how many of it)` that are taken, sorted."""
-        count = Counter(tool for tool in self.tools if tool is not None)
-        return tuple(sorted(count.items()))
+        taken = sorted(tool for tool in self.tools if tool is not None)
+        return tuple((tool, len(list(same))) for tool, same in groupby(taken))
 
     def tool(self, operator: int) -> int | None:
         """The tool that the operator, who takes part, needs in hand."""
@@ -830,7 +830,7 @@ def _tasks(cell: Cell, count: _Count) -> dict[str, Any]:
     table = cell.stress_of_set
     return {
         "tasks": tuple(cell.tasks),
-        "ways": tuple(tuple(_ways(cell, count, name)) for name in cell.tasks),
+        "ways": _ways(cell, count),
         "before": tuple(tuple(index[a] for a in task.predecessors) for task in tasks),
         "lags": tuple(_lags(cell, count, index)),
         "release": tuple(count.ticks(task.release) for task in tasks),
@@ -859,18 +859,19 @@ def _lags(cell: Cell, count: _Count, index: dict[str, int]) -> Iterator[Lag]:
             )
 
 
-def _ways(cell: Cell, count: _Count, task: str) -> Iterator[Way]:
+def _ways(cell: Cell, count: _Count) -> tuple[tuple[Way, ...], ...]:
     number = {name: i for i, name in enumerate(cell.operators)}
-    tool = {name: i for i, name in enumerate(cell.tool_names)}
-    for mode in cell.modes(task):
-        yield Way(
-            operators=tuple(number[who] for who in mode.operators),
+    tool: dict[str | None, int | None] = {name: i for i, name in enumerate(cell.tool_names)}
+
+    def way(mode: Mode) -> Way:
+        return Way(
+            operators=tuple([number[who] for who in mode.operators]),
             ticks=count.ticks(mode.time),
-            load=tuple(count.units(mode.stress.get(who, 0.0)) for who in mode.operators),
-            tools=tuple(
-                tool[mode.tools[who]] if who in mode.tools else None for who in mode.operators
-            ),
+            load=tuple([count.units(mode.stress.get(who, 0.0)) for who in mode.operators]),
+            tools=tuple([tool.get(mode.tools.get(who)) for who in mode.operators]),
         )
+
+    return tuple([tuple(map(way, cell.modes(name))) for name in cell.tasks])
 
 
 def _places(cell: Cell, count: _Count) -> dict[str, Any]:
@@ -996,7 +997,7 @@ def _scale(numbers: Iterable[float]) -> int:
     """The smallest power of ten that makes every number whole."""
     exponents = (
         Decimal(repr(number)).normalize().as_tuple().exponent
-        for number in numbers
+        for number in set(numbers)  # of thousands most are said again and again
         if not float(number).is_integer()
     )
     scale: int = 10 ** max(

@@ -65,6 +65,28 @@ class Layout:
         return tuple(min((step.ticks for step in row), default=0) for row in self.steps)
 
     @cached_property
+    def head(self) -> tuple[int, ...]:
+        """Per task, ticks before which it cannot start: because of releases, predecessors in their
+        quickest steps, and operators who come later.
+        """
+        instance, quickest, head = self.instance, self.quickest, [0] * len(self.steps)
+        for task in instance.order:
+            ends = [head[first] + quickest[first] for first in instance.before[task]]
+            head[task] = max([instance.release[task], self._arrival(task), *ends])
+            for lag in instance.lags_into[task] if instance.has_lags else ():
+                own = 0 if lag.from_start else quickest[lag.before]
+                head[task] = max(head[task], head[lag.before] + own + lag.least)
+        return tuple(head)
+
+    def _arrival(self, task: int) -> int:
+        """Ticks before which nobody is there for the task."""
+        arrival = self.instance.arrival
+        if not any(arrival):
+            return 0
+        groups = (step.operators for step in self.steps[task])
+        return min((max(arrival[operator] for operator in group) for group in groups), default=0)
+
+    @cached_property
     def tail(self) -> tuple[int, ...]:
         """Per task, ticks on the longest chain that starts with it, each task at its quickest."""
         return self.instance.chains(self.quickest)
