@@ -42,6 +42,14 @@ from tandem.schedule.measures import exact
 TOLD = 0.98
 """Of the open area as it was told last: with less than this it is told again."""
 
+AFTERWARDS = 2.0
+"""What comes after the search (the last step builds the layout once more, the measures are taken)
+lasts about so many times as long as building it did: thousandths of a second, or seconds at
+thousands of tasks.
+"""
+MOST_AFTERWARDS = 0.25
+"""Of the time limit it is given no more than this."""
+
 SAMPLING = ("longest-tail", "balanced", "random", "best-of-n", "weighted")
 """Rules that are not tried once more at the beginning: two have been, the others draw many
 schedules.
@@ -115,6 +123,10 @@ class _Search:
         self.optimal: Prover | bool = False
         # of a front all is open until the first schedules and bounds set its frame
         self.open = 1.0 if question.minimize == "front" else None
+        if self.until is not None and time_limit is not None:
+            # the limit holds for the answer, not for the search alone
+            built = monotonic() - self.began
+            self.until -= min(AFTERWARDS * built, MOST_AFTERWARDS * time_limit)
 
     def begin(self, hint: Hint) -> None:
         """The first schedules: the hints, and what the dispatch rules give; what costs more than a
