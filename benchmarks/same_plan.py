@@ -5,6 +5,8 @@ and, of more than 30 tasks, `proved_by`.
     python benchmarks/same_plan.py [--runs 20] [--cells 10] [--tasks 20] [-o
     benchmarks/results/same_plan.json]
 
+A run that is stopped goes on where it was, unless the code has changed since.
+
 The cells are all examples and random ones (layered, one robot with one and two humans in turn,
 seeds 0, 1, ...). Of each, the front is asked for, the quickest schedule, and the least sum of
 makespan and stress.
@@ -19,9 +21,12 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from hashlib import sha256
+from itertools import product
 from pathlib import Path
 from typing import Any
 
+import tandem
+from tandem.files import atomic
 from tandem.files.generators import layered
 from tandem.plan.cpsat import SOLVER
 from tandem.plan.race import SMALL
@@ -96,36 +101,62 @@ def main() -> int:
     parser.add_argument("--time-limit", type=float, default=300.0, help="seconds of a run")
     parser.add_argument("-o", "--output", type=Path)
     asked = parser.parse_args()
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        for path in cells(asked.cells, asked.tasks, Path(folder)):
-            for name in asked.questions:
-                row = compared(path, name, asked.runs, asked.time_limit)
-                rows.append(row)
-                print(
-                    f"{row['cell']:<24} {name:<10} {row['points']:>3} points"
-                    f"  {'complete' if row['complete'] else 'NOT COMPLETE'}"
-                    f"  {'canonical' if row['canonical'] else 'NOT CANONICAL'}"
-                    f"  {asked.runs} runs, {len(row['documents'])} document"
-                    f"{'s' * (len(row['documents']) != 1)}"
-                    f"  {row['wall_s']['least']:.2f} to {row['wall_s']['most']:.2f} s",
-                    flush=True,
-                )
-    differ = [row for row in rows if len(row["documents"]) != 1]
-    document = {
+    made = {
         "benchmark": "same_plan",
         "runs": asked.runs,
         "workers": list(WORKERS),
         "time_limit_s": asked.time_limit,
         "solver": SOLVER,
-        "questions_with_one_answer": len(rows) - len(differ),
-        "questions": len(rows),
-        "rows": rows,
+        "code": code(),
     }
-    if asked.output:
-        asked.output.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    rows = kept(asked.output, made)
+    with tempfile.TemporaryDirectory() as folder:
+        paths = list(cells(asked.cells, asked.tasks, Path(folder)))
+        for name, path in product(asked.questions, paths):
+            row = rows.get((path.name, name))
+            if row is None:
+                row = rows[path.name, name] = compared(path, name, asked.runs, asked.time_limit)
+                store(asked.output, made, list(rows.values()))
+            print(told(row, asked.runs), flush=True)
+    differ = [row for row in rows.values() if len(row["documents"]) != 1]
     print(f"{len(rows) - len(differ)} of {len(rows)} questions have one answer.")
     return 1 if differ else 0
+
+
+def code() -> str:
+    """A digest of the code that answers: what another made is made again."""
+    files = sorted(Path(tandem.__file__).parent.rglob("*.py"))
+    return sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
+
+
+def kept(path: Path | None, made: dict[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
+    """The rows of an earlier run that was made alike, by cell and question."""
+    if path is None or not path.exists():
+        return {}
+    document = json.loads(path.read_text(encoding="utf-8"))
+    if any(document.get(key) != value for key, value in made.items()):
+        return {}
+    return {(row["cell"], row["question"]): row for row in document["rows"]}
+
+
+def store(path: Path | None, made: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+    """Written after each row: a run that is stopped goes on there."""
+    if path is None:
+        return
+    same = sum(len(row["documents"]) == 1 for row in rows)
+    document = {**made, "questions_with_one_answer": same, "questions": len(rows), "rows": rows}
+    atomic.store(path, json.dumps(document, indent=1) + "\n")
+
+
+def told(row: dict[str, Any], runs: int) -> str:
+    """A row in a line."""
+    return (
+        f"{row['cell']:<24} {row['question']:<10} {row['points']:>3} points"
+        f"  {'complete' if row['complete'] else 'NOT COMPLETE'}"
+        f"  {'canonical' if row['canonical'] else 'NOT CANONICAL'}"
+        f"  {runs} runs, {len(row['documents'])} document{'s' * (len(row['documents']) != 1)}"
+        f"  {row['wall_s']['least']:.2f} to {row['wall_s']['most']:.2f} s"
+    )
 
 
 if __name__ == "__main__":
