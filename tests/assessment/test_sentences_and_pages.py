@@ -16,7 +16,7 @@ from tandem.cell.language import LANGUAGES, sentences
 from tandem.ergonomics import METHODS, score
 from tandem.ergonomics.tasks import scored, totals
 from tandem.errors import UsageError
-from tandem.files.facts.entry import Conditions
+from tandem.cell.stated import Conditions
 from tandem.files.facts.load import load_facts
 from tandem.files.facts.template import write
 

@@ -4,6 +4,7 @@ said in `soundness.py`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -307,6 +308,69 @@ Waits = Annotated[
 """Waits of a task; one may stand there without a list around it."""
 
 
+def _fact(value: object) -> object:
+    """A fact as it was written: a number, a word, yes or no; or a mapping that says besides in
+    which unit it is and where it came from.
+    """
+    if isinstance(value, Mapping):
+        return Table({str(name): _fact(item) for name, item in value.items() if item is not None})
+    if isinstance(value, str):
+        return _titled(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        raise PydanticCustomError("finite_number", "Input should be a finite number")
+    if value is None or isinstance(value, int | float):
+        return value
+    raise PydanticCustomError("fact_type", "a number, a word, true or false is needed")
+
+
+class Assessment(Frozen):
+    """What is known about the work of a task for one ergonomic method: facts, by their published
+    names or as people write them (`spellings.json`), or a number from outside. Kept as it was
+    written; `assessed.py` reads it.
+    """
+
+    model_config = ConfigDict(
+        frozen=True, extra="allow", ser_json_inf_nan="strings", validate_default=True
+    )
+    __pydantic_extra__: dict[str, Annotated[Any, BeforeValidator(_fact)]]
+
+    method: Name = Field(
+        description=(
+            "The method that scores the facts beside it: a name that `tandem score --list` shows."
+            " Of methods that are licensed or not verified (eaws, ocra, kim_lhc) only the `score`."
+        )
+    )
+    operators: tuple[Name, ...] = Field(
+        default=(),
+        description="The humans for whom it was assessed; every human who can do it when absent.",
+    )
+    score: Amount | None = Field(
+        default=None,
+        description=(
+            "The number that the method gives. With facts it is what they come to; without, a"
+            " number from outside. Of a method that gives doses it is that of one execution."
+        ),
+    )
+
+    @property
+    def facts(self) -> Mapping[str, Any]:
+        """What stands beside method, operators and score, as it was written."""
+        return {
+            name: value for name, value in (self.model_extra or {}).items() if value is not None
+        }
+
+
+def _as_assessments(value: object) -> object:
+    return [value] if isinstance(value, Mapping | Assessment) else value
+
+
+Assessments = Annotated[
+    tuple[Assessment, ...],
+    BeforeValidator(_as_assessments, json_schema_input_type=Assessment | tuple[Assessment, ...]),
+]
+"""Assessments of a task; one may stand there without a list around it."""
+
+
 class Task(Frozen):
     """One assembly step. It can be done by each operator in `time` alone, or by each group in
     `together`.
@@ -328,6 +392,14 @@ class Task(Frozen):
         description=(
             "Ergonomic stress on the human who does it: one number, or a number per human (0 for"
             " who is not named)."
+        ),
+    )
+    ergonomics: Assessments = Field(
+        default=(),
+        description=(
+            "What is known about the work for ergonomic methods: one assessment `{method: reba,"
+            " trunk: 45, ...}`, or a list of them. It is not added to `stress`: ordinal scores are"
+            " never summed."
         ),
     )
     after: tuple[Name, ...] = Field(

@@ -229,7 +229,7 @@ def _fit_inside(fields: Mapping[str, Any], facts: Mapping[str, Any]) -> bool:
 
 def _by_published_names(given: dict[str, Any], model: Any) -> dict[str, Any]:
     """The facts with other spellings of the vocabulary replaced by the published names."""
-    from tandem.files.facts.entry import meanings
+    from tandem.cell.stated import meanings
 
     if model is None:
         return given
@@ -249,9 +249,9 @@ def _file(
 ) -> None:
     from tandem.assessment import pages
     from tandem.assessment import sentences as say
+    from tandem.cell.stated import Conditions
     from tandem.ergonomics.methods import method_named
     from tandem.ergonomics.tasks import scored, totals
-    from tandem.files.facts.entry import Conditions
     from tandem.files.facts.load import load_facts
 
     if whole["method"]:
@@ -277,9 +277,9 @@ def _angles(
     """The postures of a recording. They are no tasks of a shift, so that nothing is summed up."""
     from tandem.assessment import pages
     from tandem.assessment import sentences as say
+    from tandem.cell.stated import Conditions
     from tandem.ergonomics.tasks import scored
     from tandem.files.facts.angles import load_angles
-    from tandem.files.facts.entry import Conditions
 
     for output in outputs:
         pages.check(output)

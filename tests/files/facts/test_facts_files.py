@@ -14,7 +14,7 @@ from tandem.ergonomics.facts import about
 from tandem.ergonomics.tasks import scored
 from tandem.ergonomics.units import UNITS, converted
 from tandem.files.facts.angles import load_angles
-from tandem.files.facts.entry import Conditions, meanings, with_unit
+from tandem.cell.stated import Conditions, meanings, with_unit
 from tandem.files.facts.load import FactsFile, load_facts
 from tandem.files.facts.template import write
 

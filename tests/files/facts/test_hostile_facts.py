@@ -15,7 +15,7 @@ from tandem.assessment.sentences import words
 from tandem.ergonomics import METHODS, FactsError
 from tandem.ergonomics.tasks import scored, totals
 from tandem.errors import CellError, Fault
-from tandem.files.facts.entry import Conditions
+from tandem.cell.stated import Conditions
 from tandem.files.facts.load import load_facts
 
 ODD: tuple[Any, ...] = (

@@ -7,11 +7,11 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from tandem.cell.stated import Conditions
 from tandem.ergonomics.facts import FactsError
 from tandem.ergonomics.tasks import TaskFacts
 from tandem.errors import Fault
 from tandem.files.facts import document, sheet
-from tandem.files.facts.entry import Conditions
 from tandem.files.spreadsheet.workbook import is_spreadsheet
 
 LARGEST = 20_000_000

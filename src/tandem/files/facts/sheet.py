@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tandem.cell.names import clean
+from tandem.cell.names import clean, key
+from tandem.cell.stated import Conditions, Given, entry, meanings, twice, with_unit
 from tandem.ergonomics.facts import FactsError
 from tandem.ergonomics.tasks import TaskFacts
 from tandem.errors import Fault
-from tandem.files.facts.entry import Conditions, Given, entry, meanings, twice, with_unit
 from tandem.files.spreadsheet.grid import Grid, Value, blank
 from tandem.files.spreadsheet.values import Marks, UnreadableError, is_number, marks_of, number
-from tandem.files.spreadsheet.vocabulary import PHRASES, key
+from tandem.files.spreadsheet.vocabulary import PHRASES
 from tandem.files.spreadsheet.workbook import open_book
 
 HEADER_WITHIN = 30

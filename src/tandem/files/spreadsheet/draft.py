@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from tandem.cell.model import Cell
-from tandem.cell.names import Known, clean
+from tandem.cell.names import Known, clean, key
 from tandem.cell.parts import Kind
 from tandem.errors import CellError, Fault, UsageError
 from tandem.files.messages import flaws
@@ -42,7 +42,7 @@ from tandem.files.spreadsheet.said import enumerated, say
 from tandem.files.spreadsheet.scores import without_scores
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.files.spreadsheet.values import marks_of
-from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, key, kind_of
+from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, kind_of
 from tandem.files.spreadsheet.who_can import is_table_of_abilities, restrict, with_time_of_each
 from tandem.files.spreadsheet.workbook import open_book, refused
 

@@ -6,10 +6,10 @@ import re
 from collections.abc import Collection
 from dataclasses import replace
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.said import say
-from tandem.files.spreadsheet.vocabulary import key
 
 ORDINAL = re.compile(
     r"\b(rula|reba|owas|niosh|lifting index|hebeindex|cli|strain"
