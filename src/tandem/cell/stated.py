@@ -18,7 +18,7 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from tandem.cell.names import Known, clean, key
-from tandem.ergonomics.facts import Facts, about, refusals
+from tandem.ergonomics.facts import Facts, about, refusals, shown
 from tandem.ergonomics.methods import LICENSED, METHODS, unknown
 from tandem.ergonomics.tasks import SIDES, SOURCES, Origin, Side, TaskFacts
 from tandem.ergonomics.units import converted, unit_named
@@ -245,7 +245,7 @@ class _Entry:
             return
         near = Known([*model.model_fields, *ROW_KEYS]).nearest(name)
         hint = f"Did you mean {near!r}?" if near else f"It takes {', '.join(model.model_fields)}."
-        self.fault(f"{self.method} knows no fact {name!r}. {hint}", given.place)
+        self.fault(f"{self.method} knows no fact {shown(name)}. {hint}", given.place)
 
     # --- values -----------------------------------------------------------------------------------
 
@@ -259,7 +259,7 @@ class _Entry:
                 self.fault(unknown(str(given.value)), given.place)
             else:
                 self.fault(
-                    f"{name} is {given.value!r}, but must be {', '.join(known)}.", given.place
+                    f"{name} is {shown(given.value)}, but must be {', '.join(known)}.", given.place
                 )
             return ""
         return found
@@ -275,7 +275,7 @@ class _Entry:
         number, _ = _number(given.value)
         if number is None or not low <= number <= high:
             self.fault(
-                f"{name} is {given.value!r}, but must be a number from {low:g} to {high:g}.",
+                f"{name} is {shown(given.value)}, but must be a number from {low:g} to {high:g}.",
                 given.place,
             )
             return None
@@ -301,7 +301,9 @@ class _Entry:
             try:
                 number = converted(number, unit, wanted)
             except (ValueError, KeyError) as error:
-                self.fault(f"{name} is {given.value!r}: {error}. Correct the unit.", given.place)
+                self.fault(
+                    f"{name} is {shown(given.value)}: {error}. Correct the unit.", given.place
+                )
         if int in (info.annotation, *get_args(info.annotation)) and number == int(number):
             return int(number)
         return number
@@ -415,8 +417,8 @@ def as_given(name: str, value: Any, place: str) -> Given | str:
     """
     if not isinstance(value, Mapping):
         return Given(value, place)
-    if "value" not in value or any(key not in OWN for key in value):
-        return f"`{name}` is a mapping, but needs `value` and may say {', '.join(OWN[1:])}."
+    if any(name not in OWN for name in value) or isinstance(value.get("value"), Mapping | None):
+        return f"`{name}` is a mapping. Write its `value`, and beside it only {', '.join(OWN[1:])}."
     origin = {key: str(value[key]) for key in OWN[2:] if value.get(key) is not None}
     return Given(value["value"], place, value.get("unit"), origin)
 
