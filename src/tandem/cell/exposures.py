@@ -70,7 +70,7 @@ def exposures(cell: Fields) -> Mapping[str, Mapping[tuple[str, str], Decimal]]:
     found: dict[str, dict[tuple[str, str], Decimal]] = {}
     everything = assessed(cell)
     told_apart = {one.method for one in everything if one.side in HANDS}
-    for (task, who, method), rows in _by_person(everything).items():
+    for (task, who, method), rows in by_person(everything).items():
         scale, sides = scale_of(method), _by_side(rows)
         found.setdefault(scale, {})[task, who] = max(sides.values())
         if method in told_apart and kind(scale) == "dose":
@@ -79,7 +79,7 @@ def exposures(cell: Fields) -> Mapping[str, Mapping[tuple[str, str], Decimal]]:
     return found
 
 
-def _by_person(
+def by_person(
     everything: Iterable[Assessed],
 ) -> Mapping[tuple[str, str, str], list[Assessed]]:
     """(task, human, method) -> what holds for that human: an assessment made for a person goes

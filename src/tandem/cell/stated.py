@@ -362,15 +362,19 @@ class _Entry:
                 facts[name] = cautious
                 taken.add(name)
                 continue
-            unit = f" {about(info)['unit']}".rstrip()
-            remedy = (
-                f"State it; a cautious value would be {_plain(cautious)}{unit}, which --cautious"
-                " takes and marks."
-                if cautious is not None
-                else "State it."
-            )
-            self.fault(f"{name} is missing ({info.description}). {remedy}")
+            self.fault(f"{name} is missing ({info.description}). {self.remedy(info, cautious)}")
         return taken
+
+    def remedy(self, info: FieldInfo, cautious: Any) -> str:
+        if cautious is None:
+            return "State it."
+        value = f"{_plain(cautious)} {about(info)['unit']}".rstrip()
+        if self.whole.of_one:
+            return (
+                f"State it; where nothing is known, a cautious value is {value}, as in `{{value:"
+                f" {_plain(cautious)}, source: default}}`."
+            )
+        return f"State it; a cautious value would be {value}, which --cautious takes and marks."
 
     def model(self, model: type[Facts], facts: dict[str, Any]) -> Facts | None:
         try:
