@@ -33,6 +33,7 @@ SHEETS: dict[str, str] = {
     "stress of sets": (
         "stress of sets|belastung der mengen|belastung je menge|stress table|belastungstabelle"
     ),
+    "ergonomics": "ergonomics|ergonomie|facts|angaben|assessments|bewertungen|beurteilungen",
     "cell": "cell|zelle|station|arbeitsplatz|workstation",
     "help": "help|hilfe|readme|anleitung|lists|listen",
 }
