@@ -13,10 +13,10 @@ import pytest
 from tandem.assessment import pages
 from tandem.assessment import sentences as say
 from tandem.cell.language import LANGUAGES, sentences
+from tandem.cell.stated import Conditions
 from tandem.ergonomics import METHODS, score
 from tandem.ergonomics.tasks import scored, totals
 from tandem.errors import UsageError
-from tandem.files.facts.entry import Conditions
 from tandem.files.facts.load import load_facts
 from tandem.files.facts.template import write
 

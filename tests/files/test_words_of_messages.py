@@ -25,7 +25,7 @@ PYTHON = re.compile(
 )
 REMEDY = re.compile(
     r"needed|must be|Did you mean|Known:|None are stated|others are known|at most|[Ww]rite |[Tt]ake"
-    r" |[Ll]eave |Keep |Give |State |Round |"
+    r" |[Ll]eave |[Cc]orrect |Keep |Give |State |Round |"
     r"Rename|Shorten|"
     r"Set the|Spell |Make them|needs different|needs one at least|belongs in|A name has|can be"
     r" planned|holds pairs|reads format|longer than|"
@@ -49,7 +49,12 @@ SOUND: dict[str, Any] = {
         "b": {"together": [{"operators": ["r", "h"], "time": 4, "stress": {"h": 2},
         "tool": {"h": "t"}}],
         "stress": {"h": 1}, "after": ["a"], "spread": {"h": 0.1}, "tool": {"r": "t"}, "place": "q",
-        "wait": [{"after": "a", "between": "start-start", "at_least": 1, "at_most": 50}]},
+        "wait": [{"after": "a", "between": "start-start", "at_least": 1, "at_most": 50}],
+        "ergonomics": [
+            {"method": "duet", "omni_res": 4, "reps_per_cycle": {"value": 2, "source": "video"},
+            "side": "left", "operators": ["h"]},
+            {"method": "eaws", "score": 38},
+        ]},
     },
     "tools": {"t": {"capacity": 2, "changeover": {"r": 1}}},
     "zones": {"z": {"capacity": 2, "apart": ["human", "machine"]}},
@@ -137,6 +142,25 @@ def test_every_fault_of_a_broken_value_names_the_place_in_the_document() -> None
 
 
 UNFIT = {
+    "assessments_can_be_scored": {
+        "tasks": {
+            "a": {"time": {"h": 1}, "ergonomics": {"method": "reba", "trunk": 400}},
+            "b": {
+                "time": {"h": 1},
+                "ergonomics": [
+                    {"method": "raba"},
+                    {"method": "eaws"},
+                    {"method": "reba", "score": 16},
+                    {"method": "reba", "score": 3, "operators": ["r", "q"]},
+                    {"method": "duet", "omni_res": 3, "reps": 100},
+                    {"method": "duet", "omni_res": 3, "reps_per_cycle": 1, "score": 2},
+                    {"method": "lifft", "lever": {"cm": 3}},
+                    {"method": "ocra", "score": 3},
+                    {"method": "ocra", "score": 4},
+                ],
+            },
+        }
+    },
     "invested_money_is_spread_over_hours": {"cost": {"invest": 9000}},
     "operators_are_known": {"tasks": {"a": {"time": {"q": 1}}}},
     "names_can_be_told_apart": {"tasks": {"a": {"time": {"h": 1}}, "\u0430": {"time": {"h": 1}}}},

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from tandem.assessment import sentences as say
+from tandem.assessment.shift import Shift
+from tandem.cell.assessed import Assessed
 from tandem.cell.language import Words
 from tandem.ergonomics.methods import METHODS
 from tandem.ergonomics.outcome import Outcome, Step
@@ -95,6 +97,43 @@ def _of_total(t: Words, one: Total) -> dict[str, Any]:
         "outputs": dict(one.outputs),
         "tasks": list(one.tasks),
         "text": say.total(t, one),
+    }
+
+
+def of_outside(one: Assessed) -> dict[str, Any]:
+    """A number that was stated and not computed."""
+    return {
+        "task": one.task,
+        "operators": list(one.operators),
+        "side": one.side,
+        "method": one.method,
+        "score": one.value,
+        "source": one.origin.source,
+        "assessor": one.origin.assessor,
+        "date": one.origin.date,
+    }
+
+
+def of_shift(t: Words, shift: Shift) -> dict[str, Any]:
+    """What a plan puts on each person."""
+    return {
+        "cycles": shift.cycles,
+        "hours": shift.hours,
+        "seconds_each": shift.each_s,
+        "people": [
+            {
+                "person": one.who,
+                "tasks": list(one.tasks),
+                "unassessed": list(one.unassessed),
+                "minutes": one.minutes,
+                "totals": [_of_total(t, total) for total in one.totals],
+                "peaks": [
+                    {"method": peak.method, "peak": peak.value, "task": peak.task}
+                    for peak in one.peaks
+                ],
+            }
+            for one in shift.people
+        ],
     }
 
 

@@ -1,4 +1,6 @@
-"""An assessment as a page that an ergonomist could sign: Markdown, HTML, a workbook, JSON."""
+"""An assessment as a page that an ergonomist could sign: Markdown, HTML, PDF, a workbook,
+JSON.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,12 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tandem.assessment import printed
 from tandem.assessment import sentences as say
-from tandem.assessment.document import document
+from tandem.assessment.document import document, of_outside, of_shift
+from tandem.assessment.printed import Block, Grid, Line
+from tandem.assessment.shift import Shift
+from tandem.cell.assessed import Assessed
 from tandem.cell.language import Words
 from tandem.cell.names import Known
 from tandem.ergonomics.tasks import Scored, Total
@@ -43,12 +49,19 @@ td.default { font-style: italic; }
 
 @dataclass(frozen=True)
 class Assessment:
-    """What is written: the scored tasks, what they come to, and how that was made."""
+    """What is written: the scored tasks, what they come to, and how that was made.
+
+    Attributes:
+      outside: of a cell, the numbers that were stated and not computed.
+      shift: what a plan of the cell puts on each person.
+    """
 
     name: str
     rows: Sequence[Scored]
     totals: Sequence[Total]
     made: Mapping[str, str]
+    outside: Sequence[Assessed] = ()
+    shift: Shift | None = None
 
     def levels(self) -> Iterator[tuple[Scored, str]]:
         """Each task with the colour of its level."""
@@ -104,13 +117,31 @@ def _steps(t: Words, row: Scored) -> Iterator[list[str]]:
 STEPS = ("step", "result", "reason")
 
 
+OUTSIDE = ("task", "operators", "side", "method", "score", "source", "assessor", "date")
+
+
+def _outside(t: Words, found: Assessment) -> Iterator[list[str]]:
+    for one in found.outside:
+        yield [
+            one.task,
+            ", ".join(one.operators),
+            t(f"side.{one.side}"),
+            say.method(t, one.method),
+            say.number(t, one.value),
+            t(f"source.{one.origin.source}"),
+            one.origin.assessor,
+            one.origin.date,
+        ]
+
+
 def _heads(t: Words, names: Sequence[str]) -> list[str]:
     return [t(f"col.{name}") for name in names]
 
 
 def _limits(t: Words, found: Assessment) -> list[str]:
     methods = dict.fromkeys(row.given.method for row in found.rows)
-    return [f"{t(f'method.{method}')}: {t(f'limits.{method}')}" for method in methods]
+    said = [f"{t(f'method.{method}')}: {t(f'limits.{method}')}" for method in methods]
+    return [*said, *([t("limits.outside")] if found.outside else [])]
 
 
 def _made(t: Words, found: Assessment) -> str:
@@ -127,6 +158,13 @@ def markdown(t: Words, found: Assessment) -> str:
     if found.totals:
         lines += [f"## {t('head.shift')}", ""]
         lines += [*(f"- {say.total(t, one)}" for one in found.totals), ""]
+    if found.outside:
+        table = _md_table(_heads(t, OUTSIDE), list(_outside(t, found)))
+        lines += [f"## {t('head.outside')}", "", *table, ""]
+    if found.shift is not None:
+        lines += [f"## {t('head.people')}", "", say.shift(t, found.shift), ""]
+        for title, said in say.people(t, found.shift):
+            lines += [f"### {title}", "", *(f"- {one}" for one in said), ""]
     lines += [f"## {t('head.tasks')}", ""]
     for row in found.rows:
         lines += [f"### {_title(t, row)}", "", say.explanation(t, row.outcome), ""]
@@ -161,7 +199,14 @@ def html(t: Words, found: Assessment) -> str:
     body = tag(
         "body",
         tag("header", tag("h1", t("title", name=found.name)), *_people(t, found)),
-        tag("main", _html_summary(t, found), _html_shift(t, found), _html_tasks(t, found)),
+        tag(
+            "main",
+            _html_summary(t, found),
+            _html_shift(t, found),
+            _html_people(t, found),
+            _html_outside(t, found),
+            _html_tasks(t, found),
+        ),
         tag(
             "footer",
             tag("h2", t("head.limits")),
@@ -229,6 +274,24 @@ def _html_shift(t: Words, found: Assessment) -> Markup:
     return tag("section", tag("h2", t("head.shift")), *said)
 
 
+def _html_people(t: Words, found: Assessment) -> Markup:
+    """What the plan does to each person."""
+    if found.shift is None:
+        return Markup("")
+    told = [
+        tag("div", tag("h3", title), *(tag("p", one) for one in said))
+        for title, said in say.people(t, found.shift)
+    ]
+    return tag("section", tag("h2", t("head.people")), tag("p", say.shift(t, found.shift)), *told)
+
+
+def _html_outside(t: Words, found: Assessment) -> Markup:
+    if not found.outside:
+        return Markup("")
+    table = _html_table(_heads(t, OUTSIDE), list(_outside(t, found)))
+    return tag("section", tag("h2", t("head.outside")), table)
+
+
 def _html_tasks(t: Words, found: Assessment) -> Markup:
     return tag(
         "section",
@@ -260,6 +323,57 @@ def _html_task(t: Words, row: Scored, colour: str) -> Markup:
     )
 
 
+# --- PDF ------------------------------------------------------------------------------------------
+
+
+def pdf(t: Words, found: Assessment) -> bytes:
+    """The assessment on A4, page by page, with a place to sign."""
+    return printed.pdf(list(_blocks(t, found)), t("title", name=found.name))
+
+
+def _blocks(t: Words, found: Assessment) -> Iterator[Block]:
+    yield Line(t("title", name=found.name), "title")
+    if people := say.sources(t, found.rows):
+        yield Line(f"{t('head.sign')}: {'; '.join(people)}")
+    yield Line(t("head.summary"), "heading")
+    yield Grid(
+        _heads(t, SUMMARY),
+        [_summary(t, row) for row in found.rows],
+        (0.26, 0.08, 0.18, 0.1, 0.3, 0.08),
+        [colour for _, colour in found.levels()],
+    )
+    if found.totals:
+        yield Line(t("head.shift"), "heading")
+        yield from (Line(say.total(t, one)) for one in found.totals)
+    if found.shift is not None:
+        yield Line(t("head.people"), "heading")
+        yield Line(say.shift(t, found.shift))
+        for title, said in say.people(t, found.shift):
+            yield Line(title, "task")
+            yield from map(Line, said)
+    if found.outside:
+        yield Line(t("head.outside"), "heading")
+        widths = (0.2, 0.2, 0.08, 0.12, 0.08, 0.12, 0.1, 0.1)
+        yield Grid(_heads(t, OUTSIDE), list(_outside(t, found)), widths)
+    yield Line(t("head.tasks"), "heading")
+    for row, colour in found.levels():
+        yield Line(_title(t, row), "task")
+        yield Line(say.explanation(t, row.outcome), colour=colour)
+        yield from (Line(said) for said in (say.stability(t, row), say.unstated(t, row)) if said)
+        facts = [cells for cells, _ in _facts(t, row)]
+        yield Grid(_heads(t, FACTS), facts, (0.3, 0.14, 0.08, 0.2, 0.16, 0.12))
+        yield Grid(_heads(t, STEPS), list(_steps(t, row)), (0.3, 0.14, 0.56))
+    yield Line(t("head.limits"), "heading")
+    yield from map(Line, (*_limits(t, found), t("advice")))
+    blank = "   ".join(f"{t(f'sign.{name}')}: ____________________" for name in SIGNED)
+    yield Line(" ")
+    yield Line(blank)
+    yield Line(_made(t, found))
+
+
+SIGNED = ("name", "date", "signature")
+
+
 # --- a workbook -----------------------------------------------------------------------------------
 
 
@@ -289,6 +403,19 @@ def xlsx(t: Words, found: Assessment) -> bytes:
         _sheet(
             book, t("sheet.shift"), t("head.shift"), [t("col.total"), t("col.tasks")], shift,
             (90, 60),
+        )  # fmt: skip
+    if found.shift is not None:
+        told = say.people(t, found.shift)
+        lines = [[title, one] for title, said in told for one in said]
+        sheet = _sheet(
+            book, t("sheet.people"), t("head.people"), _heads(t, ("person", "total")), lines,
+            (26, 110),
+        )  # fmt: skip
+        _across(sheet, len(lines) + 5, say.shift(t, found.shift), 2)
+    if found.outside:
+        _sheet(
+            book, t("sheet.outside"), t("head.outside"), _heads(t, OUTSIDE),
+            list(_outside(t, found)), (26, 22, 11, 18, 10, 14, 18, 12),
         )  # fmt: skip
     facts = [
         [row.given.task, t(f"side.{row.given.side}"), t(f"method.{row.given.method}"), *cells]
@@ -354,11 +481,14 @@ def _across(sheet: Worksheet, row: int, text: str, columns: int) -> None:
 def json_text(t: Words, found: Assessment) -> str:
     """The assessment as one JSON document."""
     data = document(t, found.name, found.rows, found.totals, found.made)
+    data["outside"] = [of_outside(one) for one in found.outside]
+    data["shift"] = None if found.shift is None else of_shift(t, found.shift)
     return json.dumps(data, ensure_ascii=False, indent=1) + "\n"
 
 
 WRITERS: dict[str, Callable[[Words, Assessment], str | bytes]] = {
     ".html": html,
+    ".pdf": pdf,
     ".md": markdown,
     ".xlsx": xlsx,
     ".json": json_text,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from tandem.assessment.shift import Person, Shift
 from tandem.cell.language import Words, spoken
 from tandem.ergonomics.facts import about
-from tandem.ergonomics.methods import METHODS
+from tandem.ergonomics.methods import LICENSED, METHODS
 from tandem.ergonomics.outcome import Band, Outcome, Reason, Step
 from tandem.ergonomics.tasks import Scored, Total
 
@@ -233,3 +234,34 @@ def provenance(t: Words, row: Scored) -> str:
         for (source, who), names in groups.items()
     ]
     return t("provenance", sources="; ".join(told))
+
+
+def method(t: Words, name: str) -> str:
+    """What a method is called; a licensed one by its own name."""
+    return t.sentences.get(f"method.{name}", LICENSED.get(name, name))
+
+
+def shift(t: Words, found: Shift) -> str:
+    """How many products the shift has, and what that rests on."""
+    values = {"cycles": number(t, found.cycles), "each": number(t, found.each_s)}
+    if found.hours is None:
+        return t("people.cycles", **values)
+    return t("people.hours", hours=number(t, found.hours), **values)
+
+
+def people(t: Words, found: Shift) -> list[tuple[str, list[str]]]:
+    """Each person with sentences: how long at work, by which tasks, and what that comes to."""
+    return [(one.who, list(_person(t, one))) for one in found.people]
+
+
+def _person(t: Words, one: Person) -> Iterator[str]:
+    if not one.tasks:
+        yield t("people.idle")
+        return
+    yield t("people.work", minutes=t.number(round(one.minutes, 1)), tasks=", ".join(one.tasks))
+    yield from (total(t, row) for row in one.totals)
+    for peak in one.peaks:
+        value = number(t, peak.value)
+        yield t("people.peak", method=method(t, peak.method), peak=value, task=peak.task)
+    if one.unassessed:
+        yield t("people.unassessed", tasks=", ".join(one.unassessed))

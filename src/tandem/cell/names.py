@@ -70,6 +70,16 @@ def clean_title(text: str) -> str:
     )
 
 
+def key(text: str) -> str:
+    """Casefolded, umlauts spelled out, marks as blanks: what tables are looked up by."""
+    plain = (
+        unicodedata.normalize("NFKC", clean(text))
+        .casefold()
+        .translate({ord("ä"): "ae", ord("ö"): "oe", ord("ü"): "ue"})
+    )
+    return " ".join(re.sub(r"[^\w#]|_", " ", plain).split())
+
+
 def harm_in(text: str) -> str | None:
     """What stands in a name or title that none may hold, such as "the control character U+001B";
     None when nothing does.

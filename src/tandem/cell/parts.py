@@ -4,6 +4,7 @@ said in `soundness.py`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -20,6 +21,7 @@ from pydantic import (
     Strict,
     Tag,
     WithJsonSchema,
+    model_validator,
 )
 from pydantic_core import PydanticCustomError
 
@@ -307,6 +309,111 @@ Waits = Annotated[
 """Waits of a task; one may stand there without a list around it."""
 
 
+MOST_OF_A_FACT = 10**15
+
+
+def _fact(value: object) -> object:
+    """A fact as it was written: a number, a word, yes or no; or a mapping that says besides in
+    which unit it is and where it came from.
+    """
+    if isinstance(value, Mapping):
+        try:
+            return Table({str(name): _fact(one) for name, one in value.items() if one is not None})
+        except PydanticCustomError as error:  # told of the fact as a whole
+            raise PydanticCustomError("fact_type", "a value that is no fact") from error
+    if isinstance(value, str):
+        return _titled(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        raise PydanticCustomError("finite_number", "Input should be a finite number")
+    if isinstance(value, int) and abs(value) > MOST_OF_A_FACT:
+        raise PydanticCustomError("int_parsing_size", "a smaller number is needed")
+    if isinstance(value, int | float):
+        return value
+    raise PydanticCustomError("fact_type", "a number, a word, true or false is needed")
+
+
+_PLAIN_FACT = ("number", "string", "boolean")
+FactAsWritten = Annotated[
+    Any,
+    BeforeValidator(_fact),
+    WithJsonSchema(
+        {
+            "type": [*_PLAIN_FACT, "object", "null"],
+            "properties": {
+                "value": {"type": [*_PLAIN_FACT], "description": "The fact."},
+                "unit": {"type": "string", "description": "In which it is counted."},
+                "source": {
+                    "type": "string",
+                    "description": "measured, video, estimated, default or stated.",
+                },
+                "assessor": {"type": ["string", "number"], "description": "Who assessed it."},
+                "date": {"type": ["string", "number"], "description": "When."},
+            },
+            "required": ["value"],
+            "additionalProperties": False,
+        }
+    ),
+]
+
+
+class Assessment(Frozen):
+    """What is known about the work of a task for one ergonomic method: facts of one execution, by
+    their published names or as people write them in English or German, or a number from outside.
+    Beside the facts may stand side, source, assessor, date, minutes and reps_per_cycle.
+    """
+
+    model_config = ConfigDict(
+        frozen=True, extra="allow", ser_json_inf_nan="strings", validate_default=True
+    )
+    __pydantic_extra__: dict[str, FactAsWritten]
+
+    method: Name = Field(
+        description=(
+            "The method that scores the facts beside it: a name that `tandem score --list` shows."
+            " Of methods that are licensed or not verified (eaws, ocra, kim_lhc) only the `score`."
+        )
+    )
+    operators: tuple[Name, ...] = Field(
+        default=(),
+        description="The humans for whom it was assessed; every human who can do it when absent.",
+    )
+    score: Amount | None = Field(
+        default=None,
+        description=(
+            "The number that the method gives. With facts it is what they come to; without, a"
+            " number from outside. Of a method that gives doses it is that of one execution."
+        ),
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_empty_keys(cls, value: Any) -> Any:
+        """A key without a value states no fact."""
+        if not isinstance(value, Mapping):
+            return value
+        return {
+            name: item
+            for name, item in value.items()
+            if item is not None or name in cls.model_fields
+        }
+
+    @property
+    def facts(self) -> Mapping[str, Any]:
+        """What stands beside method, operators and score, as it was written."""
+        return self.model_extra or {}
+
+
+def _as_assessments(value: object) -> object:
+    return [value] if isinstance(value, Mapping | Assessment) else value
+
+
+Assessments = Annotated[
+    tuple[Assessment, ...],
+    BeforeValidator(_as_assessments, json_schema_input_type=Assessment | tuple[Assessment, ...]),
+]
+"""Assessments of a task; one may stand there without a list around it."""
+
+
 class Task(Frozen):
     """One assembly step. It can be done by each operator in `time` alone, or by each group in
     `together`.
@@ -328,6 +435,14 @@ class Task(Frozen):
         description=(
             "Ergonomic stress on the human who does it: one number, or a number per human (0 for"
             " who is not named)."
+        ),
+    )
+    ergonomics: Assessments = Field(
+        default=(),
+        description=(
+            "What is known about the work for ergonomic methods: one assessment `{method: reba,"
+            " trunk: 45, ...}`, or a list of them. It is not added to `stress`: ordinal scores are"
+            " never summed."
         ),
     )
     after: tuple[Name, ...] = Field(

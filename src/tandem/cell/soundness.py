@@ -526,6 +526,17 @@ def invested_money_is_spread_over_hours(cell: Fields) -> Iterator[Fault]:
         )
 
 
+def assessments_can_be_scored(cell: Fields) -> Iterator[Fault]:
+    """The facts of each assessment are those of its method, in its range, and complete; it is made
+    for humans who can do the task.
+    """
+    if any(task.ergonomics for task in cell.tasks.values()):
+        # the methods take a moment to load, and most cells need none
+        from tandem.cell.assessed import faults
+
+        yield from faults(cell)
+
+
 def _stresses(cell: Fields) -> Iterator[tuple[Path, Mapping[str, float], str]]:
     """Every stress that is stated per human."""
     for name, task in cell.tasks.items():
@@ -580,4 +591,5 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     numbers_have_few_decimals,
     exact_planning_can_count_it,
     invested_money_is_spread_over_hours,
+    assessments_can_be_scored,
 )

@@ -17,7 +17,9 @@ from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.assessment.pages import Assessment
-    from tandem.ergonomics.tasks import Scored, Total
+    from tandem.cell.model import Cell
+    from tandem.ergonomics.tasks import Scored
+    from tandem.schedule.model import Schedule
 
 
 @click.command("score", epilog="What each method is for, its facts and sources: docs/ergonomics.md")
@@ -45,6 +47,27 @@ if TYPE_CHECKING:
     type=click.Path(dir_okay=False, path_type=Path),
     help="Joint angles per frame, CSV: --method of the median, 95th percentile and peak posture.",
 )
+@click.option(
+    "--plan",
+    "plan",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="A stored plan of the cell FILE: what it does to each person in a shift.",
+)
+@click.option(
+    "--point", type=int, help="A point of that plan's front; the recommended one when absent."
+)
+@click.option(
+    "--hours",
+    type=click.FloatRange(0, 24, min_open=True),
+    default=8.0,
+    show_default=True,
+    help="Work in a shift that repeats --plan, without its breaks.",
+)
+@click.option(
+    "--fill",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the cell FILE with the score beside the facts of each task.",
+)
 @click.option("--cycles", type=click.FloatRange(0, min_open=True), help="Products a shift.")
 @click.option(
     "--cautious",
@@ -57,7 +80,7 @@ if TYPE_CHECKING:
     "outputs",
     multiple=True,
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write a page that can be signed: .html, .xlsx, .md or .json; may be repeated.",
+    help="Write a page that can be signed: .html, .pdf, .xlsx, .md or .json; may be repeated.",
 )
 @click.option(
     "--template",
@@ -78,6 +101,10 @@ def score_command(
     step: str | None,
     facts: str | None,
     angles: Path | None,
+    plan: Path | None,
+    point: int | None,
+    hours: float,
+    fill: Path | None,
     cycles: float | None,
     cautious: bool,
     outputs: tuple[Path, ...],
@@ -90,19 +117,26 @@ def score_command(
     """Score tasks by published ergonomic methods, from facts that engineers have.
 
     FILE holds facts: YAML or JSON (`tasks: {screw: {method: reba, trunk: 45, ...}}`), or a
-    spreadsheet with a row for each task and side. It prints score, level, reasons, which small
-    change would move the level, and where each fact came from.
+    spreadsheet with a row for each task and side; or it is a cell file whose tasks have the key
+    `ergonomics`. It prints score, level, reasons, which small change would move the level, and
+    where each fact came from.
 
     \b
     Examples:
       tandem score --template facts.xlsx --lang de
       tandem score facts.xlsx --lang de -o assessment.html
       tandem score facts.yaml --cycles 420 --json
+      tandem score cell.yaml --plan plan.json -o assessment.html
       tandem score --method rula --function rula_table_c --facts step.json --json
       tandem score --method reba --angles frames.csv --facts rest.yaml
     """
     _check_use(facts_file, method, step, facts, angles, template, listed)
     whole = {"method": method or "", "cycles": cycles, "cautious": cautious}
+    is_cell = _is_cell(facts_file)
+    if not is_cell and (plan is not None or fill is not None):
+        raise UsageError(
+            "--plan and --fill need a cell file: `tandem score CELL --plan PLAN.json`."
+        )
     if listed:
         _list(as_json)
     elif template is not None:
@@ -112,6 +146,8 @@ def score_command(
     elif facts is not None:
         _refuse_unverified(method or "", unverified)
         _one(method or "", step, facts, as_json, lang)
+    elif facts_file is not None and is_cell:
+        _cell(facts_file, whole, (plan, point, hours), fill, outputs, as_json, lang)
     elif facts_file is not None:
         _file(facts_file, whole, outputs, as_json, lang)
 
@@ -229,7 +265,7 @@ def _fit_inside(fields: Mapping[str, Any], facts: Mapping[str, Any]) -> bool:
 
 def _by_published_names(given: dict[str, Any], model: Any) -> dict[str, Any]:
     """The facts with other spellings of the vocabulary replaced by the published names."""
-    from tandem.files.facts.entry import meanings
+    from tandem.cell.stated import meanings
 
     if model is None:
         return given
@@ -249,9 +285,9 @@ def _file(
 ) -> None:
     from tandem.assessment import pages
     from tandem.assessment import sentences as say
+    from tandem.cell.stated import Conditions
     from tandem.ergonomics.methods import method_named
     from tandem.ergonomics.tasks import scored, totals
-    from tandem.files.facts.entry import Conditions
     from tandem.files.facts.load import load_facts
 
     if whole["method"]:
@@ -266,6 +302,113 @@ def _file(
     _put(t, pages.Assessment(file.name, rows, totals(rows), _made()), outputs, as_json)
 
 
+def _is_cell(path: Path | None) -> bool:
+    from tandem.files.facts.load import holds_cell
+
+    return path is not None and holds_cell(path)
+
+
+def _cell(
+    path: Path,
+    whole: Mapping[str, Any],
+    by: tuple[Path | None, int | None, float],
+    fill: Path | None,
+    outputs: Iterable[Path],
+    as_json: bool,
+    lang: str,
+) -> None:
+    """The tasks of a cell that have facts, and what a plan of it does to each person."""
+    from tandem.assessment import pages
+    from tandem.assessment import sentences as say
+    from tandem.assessment.shift import from_outside, rows_of, shift
+    from tandem.ergonomics.tasks import scored
+    from tandem.files.load import load
+
+    if whole["method"] or whole["cautious"]:
+        raise UsageError(
+            "--method and --cautious are for files of facts alone. In a cell write `method` into"
+            " the assessment, and `{value: 91, source: default}` for what is not known."
+        )
+    for output in outputs:
+        pages.check(output)
+    _refuse_to_replace(fill)
+    cell, t = load(path), say.words(lang)
+    if not any(task.ergonomics for task in cell.tasks.values()):
+        click.echo(t("cell.none"), err=True)
+    found = None
+    if by[0] is not None:
+        schedule, each = _planned(by[0], cell, by[1], lang)
+        found = shift(cell, schedule, each_s=each, hours=by[2], cycles=whole["cycles"])
+    cycles = whole["cycles"] if found is None else found.cycles
+    rows = [scored(row) for row in rows_of(cell, _stated(cell, cycles))]
+    name = cell.name or path.stem
+    _put(
+        t,
+        pages.Assessment(name, rows, [], _made(), from_outside(cell), found),
+        outputs,
+        as_json,
+    )
+    if found is None and len(rows) > 1:
+        click.echo(t("cell.no_totals"), err=True)
+    if fill is not None:
+        _fill(cell, fill, t)
+
+
+def _planned(path: Path, cell: Cell, point: int | None, lang: str) -> tuple[Schedule, float]:
+    """The schedule of a stored plan, and the seconds from one product to the next."""
+    from tandem.cli.stored import holds_cycles, stored_plan
+    from tandem.plan.choice import point_of
+
+    if holds_cycles(path):
+        raise UsageError(
+            f"--plan {path}: this is a plan of a station that repeats, whose products overlap. Give"
+            " a plan of one product, and --cycles N for the products of a shift."
+        )
+    stored = stored_plan(path, cell, lang)
+    result = stored.front[point_of(stored.front, point)]
+    return result.schedule, result.makespan
+
+
+def _stated(cell: Cell, cycles: float | None) -> float:
+    """How many products a shift has; it must be known where doses are worked out."""
+    from tandem.cell.assessed import assessed
+
+    if cycles is not None:
+        return cycles
+    doses = [
+        one.task
+        for one in assessed(cell)
+        if one.given is not None and "reps" in type(one.given.facts).model_fields
+    ]
+    if doses:
+        raise UsageError(
+            f"task {doses[0]!r} has facts for a dose, which is that of a shift. Give --cycles N"
+            " (products a shift), or --plan PLAN.json."
+        )
+    return 1.0
+
+
+def _refuse_to_replace(path: Path | None) -> None:
+    if path is not None and path.exists():
+        raise UsageError(f"--fill {path}: the file exists already. Choose another name.")
+
+
+def _fill(cell: Cell, path: Path, t: Words) -> None:
+    """Writes the cell with scores beside facts; of doses that of one execution."""
+    from tandem.cell.assessed import assessed
+    from tandem.cell.model import Cell
+    from tandem.files.load import dump
+
+    data, number = cell.to_dict(), 0
+    for one in assessed(cell):
+        if one.given is not None:
+            data["tasks"][one.task]["ergonomics"][one.place]["score"] = one.value
+            number += 1
+    dump(Cell.model_validate(data), path)
+    click.echo(t("filled", n=number), err=True)
+    click.echo(t("wrote", path=path), err=True)
+
+
 def _angles(
     path: Path,
     facts: str | None,
@@ -277,9 +420,9 @@ def _angles(
     """The postures of a recording. They are no tasks of a shift, so that nothing is summed up."""
     from tandem.assessment import pages
     from tandem.assessment import sentences as say
+    from tandem.cell.stated import Conditions
     from tandem.ergonomics.tasks import scored
     from tandem.files.facts.angles import load_angles
-    from tandem.files.facts.entry import Conditions
 
     for output in outputs:
         pages.check(output)
@@ -309,12 +452,26 @@ def _put(t: Words, found: Assessment, outputs: Iterable[Path], as_json: bool) ->
 
 
 def _show(t: Words, found: Assessment) -> None:
+    from tandem.assessment import sentences as say
+
     for row in found.rows:
         _show_task(t, row)
+    if found.outside:
+        click.echo(f"{t('head.outside')}:")
+        for one in found.outside:
+            who = ", ".join(one.operators)
+            score = say.number(t, one.value)
+            click.echo(f"  {one.task} ({who}): {say.method(t, one.method)} {score}")
+        click.echo("")
+    if found.shift is not None:
+        click.echo(f"{t('head.people')}:\n  {say.shift(t, found.shift)}")
+        for title, said in say.people(t, found.shift):
+            click.echo("\n".join([f"  {title}", *(f"    {line}" for line in said)]))
+        click.echo("")
     if found.totals:
         click.echo(f"{t('head.shift')}:")
-        for one in found.totals:
-            click.echo(f"  {_total_line(t, one)}")
+        for total in found.totals:
+            click.echo(f"  {say.total(t, total)}")
         click.echo("")
     click.echo(t.count("counted", len(found.rows)) + " " + t("advice"))
 
@@ -334,12 +491,6 @@ def _show_task(t: Words, row: Scored) -> None:
         if line:
             click.echo(f"  {line}")
     click.echo("")
-
-
-def _total_line(t: Words, one: Total) -> str:
-    from tandem.assessment import sentences as say
-
-    return say.total(t, one)
 
 
 # --- to begin with --------------------------------------------------------------------------------

@@ -50,6 +50,14 @@ ROOM = "tandem.files.spreadsheet"
 @click.option(
     "--machine", "machines", multiple=True, metavar="NAME", help="An operator that is a machine."
 )
+@click.option(
+    "--aggregate",
+    type=click.Choice(["sum", "peak", "time-weighted", "time-above", "ignore"]),
+    help=(
+        "What columns of scores that only rank (RULA, REBA, ...) are for: added up all the same,"
+        " kept for a plan that minds their peak, mean or time above a level, or left out."
+    ),
+)
 @click.option("--force", is_flag=True, help="Replace the output file when it exists.")
 @LANGUAGE
 def import_command(
@@ -61,6 +69,7 @@ def import_command(
     humans: tuple[str, ...],
     robots: tuple[str, ...],
     machines: tuple[str, ...],
+    aggregate: str | None,
     force: bool,
     lang: str,
 ) -> None:
@@ -84,6 +93,7 @@ def import_command(
         humans=humans,
         robots=robots,
         machines=machines,
+        aggregate=aggregate,
     )
     if preview:
         click.echo(preview_text(draft, lang))

@@ -173,6 +173,15 @@ def span(field: FieldInfo | None) -> str:
     return f"{text} {unit}".strip() if text else ""
 
 
+def shown(value: Any) -> str:
+    """A value as a message shows it."""
+    if isinstance(value, bool) or value is None:
+        return "empty" if value is None else str(value).lower()
+    if isinstance(value, int | float | str):
+        return repr(value) if len(str(value)) <= 60 else f"{str(value)[:57]!r}..."
+    return "a mapping" if isinstance(value, Mapping) else "a list"
+
+
 def _sentence(
     item: dict[str, Any], name: str, field: FieldInfo | None, known: list[str], method: str
 ) -> str:
@@ -183,25 +192,25 @@ def _sentence(
     if kind in ("extra_forbidden", "unexpected_keyword_argument"):
         near = get_close_matches(name, known, n=1, cutoff=0.6)
         hint = f"Did you mean {near[0]!r}?" if near else f"It knows {', '.join(known)}."
-        return f"{method} knows no fact {name!r}. {hint if known else 'Leave it out.'}"
+        return f"{method} knows no fact {shown(name)}. {hint if known else 'Leave it out.'}"
     if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
         bounds = span(field) or _bound(kind, context)
-        shown = f"{value:g} {unit}".strip() if isinstance(value, int | float) else repr(value)
+        said = f"{value:g} {unit}".strip() if isinstance(value, int | float) else shown(value)
         what = f" ({field.description})" if field and field.description else ""
-        return f"{name} is {shown}, but {method} takes {bounds}{what}. Correct it."
+        return f"{name} is {said}, but {method} takes {bounds}{what}. Correct it."
     if kind in ("literal_error", "enum"):
-        return f"{name} is {value!r}, but must be {context.get('expected', 'another word')}."
+        return f"{name} is {shown(value)}, but must be {context.get('expected', 'another word')}."
     if kind == "bool_type":
-        return f"{name} is {value!r}, but must be true or false."
+        return f"{name} is {shown(value)}, but must be true or false."
     if kind in ("value_error", "assertion_error"):
         return f"{item['msg'].removeprefix('Value error, ')}"
     if kind in ("too_short", "tuple_type", "list_type"):
-        return f"{name} is {value!r}, but a list with one entry at least is needed."
+        return f"{name} is {shown(value)}, but a list with one entry at least is needed."
     if kind == "finite_number":
-        return f"{name} is {value}, but must be a number. Write the number."
+        return f"{name} is {shown(value)}, but must be a number. Write the number."
     in_unit = f" of {unit}" if unit else ""
     whole = "whole " if kind.startswith("int") else ""
-    return f"{name} is {value!r}, but a {whole}number{in_unit} is needed. Write it in digits."
+    return f"{name} is {shown(value)}, but a {whole}number{in_unit} is needed. Write it in digits."
 
 
 def _bound(kind: str, context: Mapping[str, Any]) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from tandem.ergonomics import duet, exposure, fatigue_failure, lifft, shoulder_tool
@@ -57,6 +57,20 @@ class TaskFacts:
     origins: Mapping[str, Origin]
     minutes: float | None = None
     place: str = ""
+
+
+def in_a_shift(given: TaskFacts, times: float, minutes: float | None) -> TaskFacts:
+    """Facts of one execution as those of a shift in which it is done so many times, for so many
+    minutes in all.
+
+    Raises:
+      FactsError: so often is out of the method's range.
+    """
+    facts, stated = given.facts, dict(given.facts)
+    if "reps" in stated:
+        each = float(stated["reps"])
+        facts = read(type(facts), {**stated, "reps": each * times}, given.method)
+    return replace(given, facts=facts, minutes=given.minutes if minutes is None else minutes)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean, harm_in
 from tandem.cell.parts import (
     KINDS,
+    Assessment,
     Cost,
     Operator,
     Task,
@@ -36,8 +37,8 @@ MEANT = {
     "before": "after", "lag": "wait", "lags": "wait", "waits": "wait", "min": "at_least",
     "max": "at_most", "least": "at_least", "most": "at_most", "task": "after",
     "duration": "time", "durations": "time", "seconds": "time", "joint": "together", "type": "kind",
-    "ergonomics": "stress", "strain": "stress", "due": "deadline", "machines": "operators",
-    "agents": "operators",
+    "strain": "stress", "assessment": "ergonomics", "assessments": "ergonomics", "due": "deadline",
+    "machines": "operators", "agents": "operators",
 }  # fmt: skip
 """Words of neighbouring fields for our keys, where spelling alone would not lead there."""
 
@@ -120,6 +121,8 @@ def _model(path: Path) -> tuple[type[Any], str]:
             return Together, f"task {shown(name)}: together"
         case ("tasks", name, "wait", int(), _, *_):
             return Wait, f"task {shown(name)}: wait"
+        case ("tasks", name, "ergonomics", int(), _, *_):
+            return Assessment, f"task {shown(name)}: ergonomics"
         case ("tasks", name, _, *_):
             return Task, f"task {shown(name)}"
         case ("tools", name, _, *_):
@@ -154,6 +157,8 @@ def _what(path: Path) -> str:
             return f"{table[:-1]} {shown(name)}"
         case ("tasks", _, "wait", int(place)):
             return f"wait {place + 1}"
+        case ("tasks", _, "ergonomics", int(place)):
+            return f"assessment {place + 1}"
         case ("places", name, int(side)):
             return f"the {'xy'[min(side, 1)]} of place {shown(name)}"
         case (*_, "breaks", int(place)):
@@ -229,6 +234,8 @@ def _missing(path: Path, item: Any) -> str:
                 "`after` is missing: which task is waited for? Write it, as in `{after: 1,"
                 " at_least: 40}`."
             )
+        case ("tasks", _, "ergonomics", _, "method"):
+            return "`method` is missing. Write it, as in `{method: reba, trunk: 45}`."
         case ("places", name, _):
             return f"place {shown(name)} needs two numbers, `[x, y]` in metres."
         case ("operators", _, "holds", _, _):
@@ -326,6 +333,7 @@ def _no_mapping(path: Path, item: Any) -> str:
         "difficulty": "{human: 2}", "changeover": "{human: 3}",
         "wait": "{after: 1, at_least: 40}",
         "places": "{bench: [0, 0]}", "walk": "{human: {bench-press: 3}}",
+        "ergonomics": "{method: reba, trunk: 45}",
     }  # fmt: skip
     if not path:
         held = "nothing" if item["input"] is None else _of(item["input"])
@@ -341,7 +349,7 @@ def _no_mapping(path: Path, item: Any) -> str:
             "walk": "{bench-press: 3}",
         }.get(str(path[0]), "{capacity: 1}")
     else:
-        key = "wait" if path[-2:-1] == ("wait",) else key
+        key = str(path[-2]) if path[-2:-1] in (("wait",), ("ergonomics",)) else key
         example = examples.get(key, "{operators: [robot, human], time: 12}")
     return f"{_what(path)} is {_of(item['input'])}, but a mapping is needed, such as `{example}`."
 
@@ -356,6 +364,7 @@ def _no_list(path: Path, item: Any) -> str:
         "holds": "[[1, 2]]",
         "together": "[{operators: [a, b], time: 12}]",
         "wait": "[{after: 1, at_least: 40}]",
+        "ergonomics": "[{method: reba, trunk: 45}]",
     }
     key = next((str(step) for step in reversed(path) if isinstance(step, str)), "")
     value = item["input"]
@@ -375,6 +384,13 @@ def _of(value: object) -> str:
 
 def _no_text(path: Path, item: Any) -> str:
     return f"{_what(path)} is {_of(item['input'])}, but a name is needed."
+
+
+def _no_fact(path: Path, item: Any) -> str:
+    return (
+        f"{_what(path)} is {shown(item['input'])}, but a fact is a number, a word, true or false."
+        " Write one, such as `trunk: 45`, or `trunk: {value: 45, source: video}`."
+    )
 
 
 def _too_few(path: Path, item: Any) -> str:
@@ -409,8 +425,8 @@ def _too_many(path: Path, item: Any) -> str:
 
 def _harmful(path: Path, item: Any) -> str:
     return (
-        f"{_what(path)} is {shown(item['input'])} and holds {harm_in(clean(item['input']))}, which"
-        " no name may have. Take it out."
+        f"{_what(path)} is {shown(item['input'])} and holds {item['ctx']['harm']}, which no name"
+        " may have. Take it out."
     )
 
 
@@ -470,6 +486,7 @@ _SENTENCES: dict[str, Callable[[Path, Any], str]] = {
     "string_too_short": _too_few,
     "too_long": _too_many,
     "string_too_long": _too_many,
+    "fact_type": _no_fact,
     "harmful_sign": _harmful,
     "twins": _twins,
 }

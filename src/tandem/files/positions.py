@@ -143,6 +143,8 @@ def _is_name(path: Path, null: bool) -> bool:
             | ("tasks", _, "wait", "after")
             | ("tasks", _, "wait", _, "after")
             | ("tasks", _, "together", _, "operators", _)
+            | ("tasks", _, "ergonomics", "operators", _)
+            | ("tasks", _, "ergonomics", _, "operators", _)
             | ("operators", _, "holds", _, _)
             | ("same_operator", _, _)
         ):

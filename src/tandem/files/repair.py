@@ -53,8 +53,9 @@ def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
     if not isinstance(copy, dict) or not isinstance(copy.get("tasks"), dict) or not copy["tasks"]:
         return None
     for task in copy["tasks"].values():
-        if isinstance(task, dict) and isinstance(task.get("wait"), dict):
-            task["wait"] = [task["wait"]]
+        for key in ("wait", "ergonomics"):
+            if isinstance(task, dict) and isinstance(task.get(key), dict):
+                task[key] = [task[key]]
     open_tasks: set[str] = set()
     roomless = False
     for flaw in flaws:
@@ -94,7 +95,7 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, "human"
         case (
             ("operators", _, "breaks" | "holds", _, *_)
-            | ("tasks", _, "wait", _, *_)
+            | ("tasks", _, "wait" | "ergonomics", _, *_)
             | ("zones", _, "apart", *_)
         ):
             return path[: 3 if path[2] == "apart" else 4], _GONE

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping
+from decimal import Decimal
 from typing import Any
 
 from tandem.cell.model import Cell
@@ -42,9 +43,19 @@ def _lines(data: dict[str, Any]) -> Iterator[str]:
                 yield line
                 continue
             yield f"  {_name(name)}:"
-            yield from (
-                f"    {_name(inner)}: {flow(item, inner in NAMES)}" for inner, item in entry.items()
-            )
+            for inner, item in entry.items():
+                yield from _inner(_name(inner), item, inner in NAMES)
+
+
+def _inner(key: str, item: Any, name: bool) -> Iterator[str]:
+    """A key of a task: on one line, or a list of mappings with a line for each where it is long."""
+    line = f"    {key}: {flow(item, name)}"
+    is_table = isinstance(item, list) and any(isinstance(one, Mapping) for one in item)
+    if len(line) <= WIDTH or not is_table:
+        yield line
+        return
+    yield f"    {key}:"
+    yield from (f"      - {flow(one, name)}" for one in item)
 
 
 def flow(value: Any, name: bool = False) -> str:
@@ -67,7 +78,13 @@ def flow(value: Any, name: bool = False) -> str:
 def _number(value: float | int | None) -> str:
     if value is None:
         return "null"
-    return str(value) if isinstance(value, int) else number(value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int):
+        return str(value)
+    text = number(value)
+    # doses are smaller than what six decimals say
+    return text if float(text) == value else f"{Decimal(repr(value)):f}"
 
 
 def _name(text: str) -> str:

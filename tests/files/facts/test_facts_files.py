@@ -9,12 +9,12 @@ from typing import Any
 import openpyxl
 import pytest
 
+from tandem.cell.stated import Conditions, meanings, with_unit
 from tandem.ergonomics import METHODS, FactsError
 from tandem.ergonomics.facts import about
 from tandem.ergonomics.tasks import scored
 from tandem.ergonomics.units import UNITS, converted
 from tandem.files.facts.angles import load_angles
-from tandem.files.facts.entry import Conditions, meanings, with_unit
 from tandem.files.facts.load import FactsFile, load_facts
 from tandem.files.facts.template import write
 
@@ -264,7 +264,7 @@ def test_repetitions_per_cycle_need_the_cycles_of_a_shift(tmp_path):
         ("tasks: {}", "`tasks` is missing or empty"),
         ("tasks: {a: []}", "task 'a': a mapping of facts is needed"),
         ("operators: {a: {kind: human}}\ntasks: {1: {time: {a: 3}}}", "this is a cell file"),
-        ("tasks: {a: {method: duet, omni_res: {values: 3}, reps: 3}}", "needs `value`"),
+        ("tasks: {a: {method: duet, omni_res: {values: 3}, reps: 3}}", "Write its `value`"),
         ("tasks: {a: {omni_res: 3, reps: 3}}", "no method is named"),
         ("tasks: {a: {method: duet, omni_res: 3, omni_res: 4, reps: 3}}", "stated twice"),
     ],

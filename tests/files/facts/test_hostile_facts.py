@@ -12,10 +12,10 @@ from tests.ergonomics.test_ranges_and_order import ONE
 
 from tandem.assessment import pages
 from tandem.assessment.sentences import words
+from tandem.cell.stated import Conditions
 from tandem.ergonomics import METHODS, FactsError
 from tandem.ergonomics.tasks import scored, totals
 from tandem.errors import CellError, Fault
-from tandem.files.facts.entry import Conditions
 from tandem.files.facts.load import load_facts
 
 ODD: tuple[Any, ...] = (

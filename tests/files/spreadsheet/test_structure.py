@@ -965,7 +965,7 @@ def test_a_score_that_only_ranks_is_no_stress(header: str, tmp_path: Path) -> No
     assert f"Tasks!C1: {header!r} is a score that only ranks" in refusal(draft(tmp_path, rows))
     told = draft(tmp_path, rows, columns={header: "stress"})
     assert told.cell().tasks["b"].stress == 4
-    assert f"{header!r} is added up as stress because --map says so" in said(told)
+    assert f"{header!r} is added up as stress because --map or --aggregate says so" in said(told)
 
 
 def test_a_score_beside_a_stress_is_left_out_and_told(tmp_path: Path) -> None:

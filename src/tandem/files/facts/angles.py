@@ -10,12 +10,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tandem.cell.stated import Conditions, Given, entry, meanings, with_unit
 from tandem.ergonomics.facts import FactsError, about
 from tandem.ergonomics.methods import method_named
 from tandem.ergonomics.tasks import TaskFacts
 from tandem.ergonomics.units import converted
 from tandem.errors import Fault
-from tandem.files.facts.entry import Conditions, Given, entry, meanings, with_unit
 
 NEUTRAL = {"lower_arm_flexion_deg": 80.0}
 """Where a joint is at its best, degrees; 0 for all others. How far it is from there counts."""

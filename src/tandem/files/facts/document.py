@@ -8,16 +8,14 @@ from dataclasses import replace
 from typing import Any
 
 from tandem.cell.names import Known
+from tandem.cell.stated import Conditions, Given, as_given, entry, twice
 from tandem.ergonomics.facts import FactsError
 from tandem.ergonomics.tasks import TaskFacts
 from tandem.errors import Fault
 from tandem.files import json_reader, yaml_reader
-from tandem.files.facts.entry import Conditions, Given, entry, twice
 from tandem.files.positions import Document, Path
 
 TOP = ("tasks", "name", "assessor", "date", "cycles_per_shift")
-OWN = ("value", "unit", "source", "assessor", "date")
-"""Keys of a fact that says where it came from: `trunk: {value: 45, source: video}`."""
 
 
 def tree(text: str, source: str) -> Document:
@@ -122,20 +120,9 @@ def _given(
     found = {}
     for name, value in row.items():
         place = document.place((*path, name)).text
-        if isinstance(value, dict):
-            strange = [key for key in value if key not in OWN]
-            if strange or "value" not in value:
-                faults.append(
-                    Fault(
-                        f"`{name}` is a mapping, but needs `value` and may say {', '.join(OWN[1:])}"
-                        ".",
-                        (*path, name),
-                        place,
-                    )
-                )
-                continue
-            origin = {key: str(value[key]) for key in OWN[2:] if value.get(key) is not None}
-            found[name] = Given(value["value"], place, value.get("unit"), origin)
+        given = as_given(name, value, place)
+        if isinstance(given, str):
+            faults.append(Fault(given, (*path, name), place))
         elif value is not None:
-            found[name] = Given(value, place)
+            found[name] = given
     return found

@@ -7,11 +7,11 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from tandem.cell.stated import Conditions
 from tandem.ergonomics.facts import FactsError
 from tandem.ergonomics.tasks import TaskFacts
-from tandem.errors import Fault
+from tandem.errors import CellError, Fault
 from tandem.files.facts import document, sheet
-from tandem.files.facts.entry import Conditions
 from tandem.files.spreadsheet.workbook import is_spreadsheet
 
 LARGEST = 20_000_000
@@ -64,6 +64,19 @@ def load_facts(path: str | os.PathLike[str], whole: Conditions | None = None) ->
     source = "standard input" if str(path) == "-" else str(path)
     tasks, name = document.read(text, source, whole)
     return FactsFile(name or Path(source).stem, tuple(tasks))
+
+
+def holds_cell(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is a cell file, whose tasks may have facts. What cannot be read is none."""
+    where = Path(path)
+    if str(path) == "-" or is_spreadsheet(where):
+        return False
+    try:
+        text = where.read_text("utf-8-sig")
+        root = document.tree(text, str(path)).root.value if text.strip() else None
+    except (OSError, UnicodeDecodeError, CellError):
+        return False
+    return isinstance(root, dict) and "operators" in root
 
 
 def _bytes(path: Path) -> bytes:

@@ -4,12 +4,13 @@ are no times.
 
 from __future__ import annotations
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import Grid, blank
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import says_able
-from tandem.files.spreadsheet.vocabulary import Meaning, key
+from tandem.files.spreadsheet.vocabulary import Meaning
 
 
 def settled_abilities(

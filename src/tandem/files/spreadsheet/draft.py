@@ -12,10 +12,11 @@ from typing import Any
 from pydantic import ValidationError
 
 from tandem.cell.model import Cell
-from tandem.cell.names import Known, clean
+from tandem.cell.names import Known, clean, key
 from tandem.cell.parts import Kind
 from tandem.errors import CellError, Fault, UsageError
 from tandem.files.messages import flaws
+from tandem.files.spreadsheet.assessments import read_assessments
 from tandem.files.spreadsheet.findings import Findings, Note, listed
 from tandem.files.spreadsheet.grid import Book, Grid, shown
 from tandem.files.spreadsheet.header import TIMED, Column, Table, amounts_of, find_table
@@ -39,10 +40,10 @@ from tandem.files.spreadsheet.precedence import (
 )
 from tandem.files.spreadsheet.repeats import once_a_column
 from tandem.files.spreadsheet.said import enumerated, say
-from tandem.files.spreadsheet.scores import without_scores
+from tandem.files.spreadsheet.scores import AGGREGATES, without_scores
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.files.spreadsheet.values import marks_of
-from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, key, kind_of
+from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, kind_of
 from tandem.files.spreadsheet.who_can import is_table_of_abilities, restrict, with_time_of_each
 from tandem.files.spreadsheet.workbook import open_book, refused
 
@@ -113,6 +114,7 @@ def read_workbook(
     humans: Iterable[str] = (),
     robots: Iterable[str] = (),
     machines: Iterable[str] = (),
+    aggregate: str | None = None,
 ) -> Draft:
     """Reads xlsx, xlsm, xls, xlsb, ods and csv as planners keep them; faults in the content are in
     the draft, not raised.
@@ -122,6 +124,7 @@ def read_workbook(
       columns: header or column letters -> what it means, such as `{"Spalte 4": "time robot [s]",
         "F": "ignore"}`.
       humans, robots, machines: operators whose names do not say what they are.
+      aggregate: what columns of scores that only rank are for, one of `scores.AGGREGATES`.
 
     Raises:
       CellError: the file cannot be opened, or no sheet or several look like tasks.
@@ -134,6 +137,7 @@ def read_workbook(
         humans=humans,
         robots=robots,
         machines=machines,
+        aggregate=aggregate,
     )
 
 
@@ -145,6 +149,7 @@ def read_book(
     humans: Iterable[str] = (),
     robots: Iterable[str] = (),
     machines: Iterable[str] = (),
+    aggregate: str | None = None,
 ) -> Draft:
     """The same for an open book; see `read_workbook`."""
     kinds: dict[str, Kind] = {
@@ -166,7 +171,7 @@ def read_book(
     )
     beside = read_beside(sheets_beside, findings)
     raw = with_time_of_each(raw, abilities)
-    raw = without_scores(raw, overrides, findings)
+    raw = without_scores(raw, overrides, findings, _aggregate(aggregate))
     raw = with_joint_ways(with_precedence(with_outline(raw), findings), known, findings)
     table = settled(raw, tuple(beside.operators), findings)
     others = _other_sheets(
@@ -193,6 +198,12 @@ def read_book(
     )
 
 
+def _aggregate(stated: str | None) -> str | None:
+    if stated is not None and stated not in AGGREGATES:
+        raise UsageError(f"aggregate {stated!r}: {Known(AGGREGATES).hint(stated)}")
+    return stated
+
+
 # --- which sheet ----------------------------------------------------------------------------------
 
 
@@ -201,7 +212,7 @@ def _is_beside(grid: Grid) -> bool:
     may do so all the same.
     """
     role = role_of(grid)
-    if role not in ("operators", "cell"):
+    if role not in ("operators", "cell", "ergonomics"):
         return role is not None
     if role == "operators" and lists_operators(grid):
         return True
@@ -362,6 +373,8 @@ def _document(
     document |= {name: stated for name, stated in more.items() if stated}
     if tasks.same_operator:
         document["same_operator"] = tasks.same_operator
+    if "ergonomics" in roles:
+        read_assessments(roles["ergonomics"], tasks.tasks, findings)
     if "stress of sets" in roles:
         sets = read_sets(roles["stress of sets"], list(tasks.tasks), findings)
         if sets is not None:

@@ -11,11 +11,12 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.grid import Grid, Value, blank, letters, shown, tidy
 from tandem.files.spreadsheet.said import Said, say
 from tandem.files.spreadsheet.units import unit_said
 from tandem.files.spreadsheet.values import cannot, is_number, says_able, unit_named
-from tandem.files.spreadsheet.vocabulary import SCALE, Meaning, key, meaning, split_unit
+from tandem.files.spreadsheet.vocabulary import SCALE, Meaning, meaning, split_unit
 
 LAST_HEADER_ROW = 60
 WEIGHTS = {

@@ -11,11 +11,12 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.grid import shown, tidy
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.said import say
-from tandem.files.spreadsheet.vocabulary import JOINT, key, kind_of
+from tandem.files.spreadsheet.vocabulary import JOINT, kind_of
 
 EVERYBODY = {"alle", "all", "everybody", "everyone"}
 """Joint words that also say that nobody is left out."""

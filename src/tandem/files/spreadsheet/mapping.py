@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 
-from tandem.cell.names import Known
+from tandem.cell.names import Known, key
 from tandem.errors import UsageError
 from tandem.files.spreadsheet.abilities import settled_abilities
 from tandem.files.spreadsheet.findings import Findings
@@ -23,7 +23,6 @@ from tandem.files.spreadsheet.stated_units import say_units
 from tandem.files.spreadsheet.vocabulary import (
     Meaning,
     is_kind_word,
-    key,
     kind_of,
     meaning,
     own_tool,

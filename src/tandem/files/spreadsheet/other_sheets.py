@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from tandem.cell.names import key
 from tandem.cell.parts import Kind
 from tandem.cell.walking import SPEED
 from tandem.files.spreadsheet.findings import Findings
@@ -18,7 +19,7 @@ from tandem.files.spreadsheet.header import Column, Table, best_table
 from tandem.files.spreadsheet.references import References, UnknownTaskError, unquoted
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import UnreadableError, number, seconds
-from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, key, kind_of, meaning
+from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, kind_of, meaning
 from tandem.files.spreadsheet.walking import read_places, read_walks
 
 SHEETS: dict[str, str] = {
@@ -32,6 +33,7 @@ SHEETS: dict[str, str] = {
     "stress of sets": (
         "stress of sets|belastung der mengen|belastung je menge|stress table|belastungstabelle"
     ),
+    "ergonomics": "ergonomics|ergonomie|facts|angaben|assessments|bewertungen|beurteilungen",
     "cell": "cell|zelle|station|arbeitsplatz|workstation",
     "help": "help|hilfe|readme|anleitung|lists|listen",
 }

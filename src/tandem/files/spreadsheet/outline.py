@@ -11,12 +11,12 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import Grid, blank, shown
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.precedence import Link, is_mark
 from tandem.files.spreadsheet.said import say
-from tandem.files.spreadsheet.vocabulary import key
 
 CODE = re.compile(r"[^\W_]+(\.[^\W_]+)*\.?")
 """The number of an outline: 1, 1.2, A.3.1."""

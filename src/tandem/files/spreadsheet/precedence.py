@@ -14,13 +14,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import Grid, Value, blank, shown
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.references import References, UnknownTaskError, unquoted
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import is_number
-from tandem.files.spreadsheet.vocabulary import MEANS, Meaning, key, meaning
+from tandem.files.spreadsheet.vocabulary import MEANS, Meaning, meaning
 
 Side = Literal["first", "later", "task", "predecessors", "successors", "kind", "lag"]
 

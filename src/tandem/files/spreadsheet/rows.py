@@ -7,12 +7,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import Table
 from tandem.files.spreadsheet.said import Said, enumerated, say
 from tandem.files.spreadsheet.values import Marks, UnreadableError, cannot, number
-from tandem.files.spreadsheet.vocabulary import TOTALS, key
+from tandem.files.spreadsheet.vocabulary import TOTALS
 
 ANY_MARK = Marks(".", grouped=True)
 """Good enough to see whether a row sums up those above it."""

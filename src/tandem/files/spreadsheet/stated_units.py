@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import re
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import blank, letters
 from tandem.files.spreadsheet.header import TIMED, Column, Table
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.units import unclear_unit
 from tandem.files.spreadsheet.values import cannot, is_number, unit_named, written
-from tandem.files.spreadsheet.vocabulary import PER_PIECE, QUOTES, key, split_unit
+from tandem.files.spreadsheet.vocabulary import PER_PIECE, QUOTES, split_unit
 
 UNIT_COLUMN = re.compile(
     r"|\w*einheit(en)?|(time )?units?( of (time|measure))?|uom|me|dim(ension)?"

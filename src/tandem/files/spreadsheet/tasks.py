@@ -4,10 +4,12 @@ each operator who can do it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from tandem.cell.stated import SIDED
 from tandem.files.spreadsheet.findings import AS_FRACTION, AS_SHOWN, Findings, Percent
 from tandem.files.spreadsheet.grid import Grid, Value, shown
 from tandem.files.spreadsheet.header import Column, Table
@@ -31,6 +33,7 @@ from tandem.files.spreadsheet.precedence import (
 from tandem.files.spreadsheet.references import References, UnknownTaskError, task_name, unquoted
 from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.said import Said, enumerated, say
+from tandem.files.spreadsheet.scores import SCORE
 from tandem.files.spreadsheet.values import cannot, says_able
 from tandem.files.spreadsheet.waits import read_waits
 
@@ -457,6 +460,31 @@ def _measures(
                 continue
             entry.data[what] = amount
             findings.places["tasks", entry.name, what] = place
+    _scores(table, entry, findings)
+
+
+def _scores(table: Table, entry: Entry, findings: Findings) -> None:
+    """Numbers of columns that are kept as scores of a method: a side or a person that the header
+    names belongs to them.
+    """
+    for column in table.columns:
+        if column.meaning is None or not column.meaning.what.startswith(SCORE):
+            continue
+        amount = findings.amount(
+            table.grid, entry.rows[0], column.index, "a number for a score", None
+        )
+        if amount is None:
+            continue
+        kept = entry.data.setdefault("ergonomics", [])
+        place = table.grid.place(entry.rows[0], column.index)
+        findings.places["tasks", entry.name, "ergonomics", len(kept)] = place
+        one: dict[str, Any] = {"method": column.meaning.what.removeprefix(SCORE), "score": amount}
+        if column.meaning.who:
+            one["operators"] = list(column.meaning.who)
+        sides = [side for side, words in SIDED if re.search(words, column.header, re.IGNORECASE)]
+        if len(sides) == 1:
+            one["side"] = sides[0]
+        kept.append(one)
 
 
 def _percent(column: Column) -> Percent | None:

@@ -145,6 +145,7 @@ def to_workbook(cell: Cell, *, lang: Language = "en", every_column: bool = False
     _operators(book, cell, lang, every_column)
     _things(book, cell, lang, every_column)
     _places_and_walking(book, cell, lang, every_column)
+    _assessments(book, cell, lang)
     _sets_and_name(book, cell, lang)
     _help(book, lang)
     return workbook_bytes(book)
@@ -541,6 +542,32 @@ def _places_and_walking(book: Workbook, cell: Cell, lang: Language, every: bool)
         for row, (start, end, seconds) in enumerate(rows, 2):
             for column, value in enumerate((start, end, *map(seconds.get, walkers)), 1):
                 _put(sheet, row, column, value)
+
+
+def _assessments(book: Workbook, cell: Cell, lang: Language) -> None:
+    """A row for each assessment of a task, a column for each fact that one of them states."""
+    rows = [(name, one) for name, task in cell.tasks.items() for one in task.ergonomics]
+    if not rows:
+        return
+    words, own = HEADERS[lang], ["name", "method", "for whom", "score"]
+    facts = list(dict.fromkeys(fact for _, one in rows for fact in one.facts))
+    sheet = book.create_sheet(SHEETS[lang]["ergonomics"])
+    _header(sheet, [words[name] for name in own] + facts, [14, 16, 18, 10] + [14] * len(facts))
+    for row, (name, one) in enumerate(rows, 2):
+        stated = [name, one.method, _list(one.operators) or None, one.score]
+        for column, value in enumerate([*stated, *map(one.facts.get, facts)], 1):
+            _put(sheet, row, column, _fact(value))
+
+
+def _fact(value: Any) -> Any:
+    """A fact as a sheet has it: a truth value as a word; a number that says where it came from
+    keeps its value and unit.
+    """
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, Mapping):
+        return f"{value['value']} {value['unit']}" if value.get("unit") else value["value"]
+    return value
 
 
 def _sets_and_name(book: Workbook, cell: Cell, lang: Language) -> None:

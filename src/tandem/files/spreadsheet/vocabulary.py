@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import json
 import re
-import unicodedata
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from importlib import resources
 
+from tandem.cell.names import clean, key
 from tandem.cell.parts import Kind
-from tandem.files.spreadsheet.grid import tidy
 from tandem.files.spreadsheet.values import unit_named
 
 VOCABULARY = json.loads(resources.files(__package__).joinpath("vocabulary.json").read_text("utf-8"))
@@ -126,16 +125,6 @@ class Meaning:
         return f"{self.what}{of}{joint}{unit}{' per piece' if self.per_piece else ''}"
 
 
-def key(text: str) -> str:
-    """Casefolded, umlauts spelled out, marks as blanks: what tables are looked up by."""
-    plain = (
-        unicodedata.normalize("NFKC", tidy(text))
-        .casefold()
-        .translate({ord("ä"): "ae", ord("ö"): "oe", ord("ü"): "ue"})
-    )
-    return " ".join(re.sub(r"[^\w#]|_", " ", plain).split())
-
-
 def kind_of(name: str) -> Kind | None:
     """Human or robot, when the operator's name says so beyond doubt ("Werker 2", "UR5e"), else
     None.
@@ -198,7 +187,7 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
     Args:
       known: operators that are known from elsewhere; their bare names count as times.
     """
-    text, quoted = _without_quotes(tidy(header))
+    text, quoted = _without_quotes(clean(header))
     text, pieces = PER_PIECE.subn(" ", text)
     if pieces:
         found = meaning(_with_quotes(text, quoted), known)
@@ -244,7 +233,7 @@ def own_tool(header: str, known: Collection[str] | None) -> Meaning | None:
     cobot", "tool anna with cobot". None when the header speaks of anybody who is not known, where
     it is known who there is.
     """
-    text, quoted = _without_quotes(tidy(header))
+    text, quoted = _without_quotes(clean(header))
     if (found := OWN_TOOL.fullmatch(text)) is None:
         return None
     who, human = _who(re.findall(r"[+&]|[^\s+&]+", found[1]), quoted, tuple(known or ()))
@@ -270,7 +259,7 @@ def without_scale(header: str) -> tuple[str, str]:
         taken.append(found[0].strip("[](){}<> "))
         return " "
 
-    rest = re.sub(r"\[[^\]]*\]?|\([^)]*\)?|\{[^}]*\}?|<[^>]*>?", keep, tidy(header))
+    rest = re.sub(r"\[[^\]]*\]?|\([^)]*\)?|\{[^}]*\}?|<[^>]*>?", keep, clean(header))
     words = rest.split()
     taken += [word for word in words if SCALE.fullmatch(word.casefold().rstrip("."))]
     kept = [word for word in words if not SCALE.fullmatch(word.casefold().rstrip("."))]

@@ -9,13 +9,14 @@ from itertools import combinations
 from typing import Any
 
 from tandem.cell.model import Cell
+from tandem.cell.names import key
 from tandem.cell.walking import SPEED, pairs_of
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.grid import Grid, blank, shown
 from tandem.files.spreadsheet.header import Column, best_table
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import UnreadableError, number
-from tandem.files.spreadsheet.vocabulary import Meaning, key, meaning
+from tandem.files.spreadsheet.vocabulary import Meaning, meaning
 
 ENDS = {
     "from": frozenset(("from", "von", "start", "place", "ort")),

@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from tandem.cell.names import key
 from tandem.files.spreadsheet.abilities import ability_at, names_only_operators
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import shown
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.references import References, unquoted
 from tandem.files.spreadsheet.said import enumerated, say
-from tandem.files.spreadsheet.vocabulary import Meaning, key
+from tandem.files.spreadsheet.vocabulary import Meaning
 
 
 def is_table_of_abilities(table: Table) -> bool:

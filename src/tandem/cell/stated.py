@@ -1,38 +1,47 @@
 """One row of facts, as people write them, to a task that a method can score.
 
 Names and words may be those of the methods, or what people write in English and German
-(`spreadsheet/vocabulary.json`); units are converted; what was not stated is never assumed silently.
+(`spellings.json`); units are converted; what was not stated is never assumed silently.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from importlib import resources
 from typing import Any, Literal, cast, get_args
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
-from tandem.cell.names import Known
-from tandem.ergonomics.facts import Facts, about, refusals
-from tandem.ergonomics.methods import METHODS, unknown
+from tandem.cell.names import Known, clean, key
+from tandem.ergonomics.facts import Facts, about, refusals, shown
+from tandem.ergonomics.methods import LICENSED, METHODS, unknown
 from tandem.ergonomics.tasks import SIDES, SOURCES, Origin, Side, TaskFacts
 from tandem.ergonomics.units import converted, unit_named
 from tandem.errors import Fault
-from tandem.files.spreadsheet.values import says_able
-from tandem.files.spreadsheet.vocabulary import VOCABULARY, key
+
+SPELLINGS: dict[str, dict[str, list[str]]] = json.loads(
+    resources.files(__package__).joinpath("spellings.json").read_text("utf-8")
+)
+"""What facts, the keys of a row and their words may be called."""
 
 ROW_KEYS = ("method", "side", "source", "assessor", "date", "minutes", "reps_per_cycle")
 """What a row says beside the facts of its method."""
+OWN = ("value", "unit", "source", "assessor", "date")
+"""Keys of a fact that says where it came from: `trunk: {value: 45, source: video}`."""
+ALIASES = {"energy": "garg_energy"}
+"""Further names of methods: the scale that one's numbers are on."""
 
 
 def _by_spelling(*tables: str) -> dict[str, list[str]]:
     """A folded spelling -> the names that it may mean, in the order of the tables."""
     found: dict[str, list[str]] = {}
     for table in tables:
-        for name, spellings in VOCABULARY[table].items():
+        for name, spellings in SPELLINGS[table].items():
             for spelling in spellings:
                 found.setdefault(spelling, []).append(name)
     return found
@@ -42,6 +51,10 @@ SPELLED = _by_spelling("facts", "rows of facts")
 """Which of the facts a spelling means, the method of the row decides."""
 WORDS = _by_spelling("words of facts")
 FACTS = {name for method in METHODS.values() for name in method.model.model_fields}
+EXACT: dict[str, list[str]] = {}
+"""A folded name -> the keys of a row and the facts that are spelled so but for case and marks."""
+for _name in (*ROW_KEYS, *sorted(FACTS)):
+    EXACT.setdefault(key(_name), []).append(_name)
 OTHER_SIGN = {("rsi", "wrist_flexion_deg"): "P"}
 """Facts that a method counts the other way round: the Strain Index takes extension as positive."""
 SIDED = (("left", r"\b(left|links|linke[rnms]?)\b"), ("right", r"\b(right|rechts|rechte[rnms]?)\b"))
@@ -74,6 +87,8 @@ class Conditions:
       cycles: products a shift; with it, repetitions per cycle become those of a day.
       cautious: take the cautious value of what is missing, and say so.
       assessor, date: of rows that name none.
+      of_one: the rows tell of one execution of a task, as those of a cell do: how often it is done
+        a day is then no fact, but follows from the plan.
     """
 
     method: str = ""
@@ -81,6 +96,7 @@ class Conditions:
     cautious: bool = False
     assessor: str = ""
     date: str = ""
+    of_one: bool = False
 
 
 def meanings(name: str) -> list[str]:
@@ -88,8 +104,7 @@ def meanings(name: str) -> list[str]:
     if name in FACTS or name in ROW_KEYS:
         return [name]
     folded = key(name)
-    exact = [fact for fact in (*ROW_KEYS, *sorted(FACTS)) if key(fact) == folded]
-    return list(dict.fromkeys([*exact, *SPELLED.get(folded, [])]))
+    return list(dict.fromkeys([*EXACT.get(folded, []), *SPELLED.get(folded, [])]))
 
 
 def with_unit(name: str) -> tuple[str, str | None]:
@@ -115,6 +130,19 @@ def entry(
     return _Entry(task, row, place, whole).read()
 
 
+def row_of(
+    task: str, row: Mapping[str, Given], method: str
+) -> tuple[Side, Origin, float | None, list[Fault]]:
+    """Side, origin and minutes of a row that states no facts, and all that is wrong with them."""
+    found = _Entry(task, row, "", Conditions())
+    found.method = method
+    found.sort_row_keys()
+    side = found.word("side", list(SIDES), "")
+    if method in METHODS:
+        found.check_side(side)
+    return cast(Side, side), found.row_origin(), found.amount("minutes", 0, 1440), found.faults
+
+
 class _Entry:
     def __init__(self, task: str, row: Mapping[str, Given], place: str, whole: Conditions):
         self.task, self.row, self.place, self.whole = task, row, place, whole
@@ -127,7 +155,7 @@ class _Entry:
         self.sort_row_keys()
         self.method = self.word("method", list(METHODS), self.whole.method)
         side = self.word("side", list(SIDES), "")
-        source = self.word("source", list(SOURCES), "stated")
+        row_origin = self.row_origin()
         if not self.method:
             if "method" not in self.about:
                 self.fault(
@@ -147,11 +175,6 @@ class _Entry:
         found = self.model(model, facts)
         if found is None or self.faults:
             return None, self.faults
-        row_origin = Origin(
-            source,
-            self.text("assessor") or self.whole.assessor,
-            self.text("date") or self.whole.date,
-        )
         origins = {
             name: self.origin(name, row_origin, name in facts and name not in taken)
             for name in model.model_fields
@@ -160,6 +183,13 @@ class _Entry:
         return (
             TaskFacts(self.task, self.method, sided, found, origins, minutes, self.place),
             self.faults,
+        )
+
+    def row_origin(self) -> Origin:
+        return Origin(
+            self.word("source", list(SOURCES), "stated"),
+            self.text("assessor") or self.whole.assessor,
+            self.text("date") or self.whole.date,
         )
 
     def fault(self, message: str, place: str = "") -> None:
@@ -198,7 +228,7 @@ class _Entry:
             self.stated[fact] = given
         elif METHODS[self.method].model.model_fields[fact].annotation is bool:
             # two columns for what the method counts once: twisted, bent to a side
-            both = [says_able(one.value) for one in (before, given)]
+            both = [truth(one.value) for one in (before, given)]
             self.stated[fact] = given if both[1] else before
         else:
             self.fault(f"{fact} is stated twice, here as {name!r}. Keep one.", given.place)
@@ -214,8 +244,10 @@ class _Entry:
             )
             return
         near = Known([*model.model_fields, *ROW_KEYS]).nearest(name)
-        hint = f"Did you mean {near!r}?" if near else f"It takes {', '.join(model.model_fields)}."
-        self.fault(f"{self.method} knows no fact {name!r}. {hint}", given.place)
+        hint = (
+            f"Did you mean {near!r}?" if near else f"Write one of {', '.join(model.model_fields)}."
+        )
+        self.fault(f"{self.method} knows no fact {shown(name)}. {hint}", given.place)
 
     # --- values -----------------------------------------------------------------------------------
 
@@ -229,7 +261,7 @@ class _Entry:
                 self.fault(unknown(str(given.value)), given.place)
             else:
                 self.fault(
-                    f"{name} is {given.value!r}, but must be {', '.join(known)}.", given.place
+                    f"{name} is {shown(given.value)}, but must be {', '.join(known)}.", given.place
                 )
             return ""
         return found
@@ -245,7 +277,7 @@ class _Entry:
         number, _ = _number(given.value)
         if number is None or not low <= number <= high:
             self.fault(
-                f"{name} is {given.value!r}, but must be a number from {low:g} to {high:g}.",
+                f"{name} is {shown(given.value)}, but must be a number from {low:g} to {high:g}.",
                 given.place,
             )
             return None
@@ -256,7 +288,7 @@ class _Entry:
         model refuses it.
         """
         if info.annotation is bool:
-            found = says_able(given.value)
+            found = truth(given.value)
             return given.value if found is None else found
         choices = _choices(info)
         if choices:
@@ -271,14 +303,26 @@ class _Entry:
             try:
                 number = converted(number, unit, wanted)
             except (ValueError, KeyError) as error:
-                self.fault(f"{name} is {given.value!r}: {error}. Correct the unit.", given.place)
+                self.fault(
+                    f"{name} is {shown(given.value)}: {error}. Correct the unit.", given.place
+                )
         if int in (info.annotation, *get_args(info.annotation)) and number == int(number):
             return int(number)
         return number
 
     def repetitions(self, facts: dict[str, Any], model: type[Facts]) -> None:
         each = self.amount("reps_per_cycle", 0, 10_000)
-        if each is None or "reps" not in model.model_fields:
+        if "reps" not in model.model_fields:
+            return
+        if self.whole.of_one and "reps" in self.stated:
+            self.fault(
+                "reps counts a day, but how often the task is done a day follows from the plan."
+                " State reps_per_cycle instead: how often in one execution of the task.",
+                self.stated["reps"].place,
+            )
+            facts.setdefault("reps", 0.0)
+            return
+        if each is None:
             return
         place = self.about["reps_per_cycle"].place
         if "reps" in facts:
@@ -308,21 +352,31 @@ class _Entry:
         for name in missing:
             if name == "reps" and "reps_per_cycle" in self.about:
                 continue  # told already
+            if name == "reps" and self.whole.of_one:
+                self.fault(
+                    "reps_per_cycle is missing (how often in one execution of the task). State it;"
+                    " 1 where it is done once."
+                )
+                continue
             info = model.model_fields[name]
             cautious = about(info)["cautious"]
             if self.whole.cautious and cautious is not None:
                 facts[name] = cautious
                 taken.add(name)
                 continue
-            unit = f" {about(info)['unit']}".rstrip()
-            remedy = (
-                f"State it; a cautious value would be {_plain(cautious)}{unit}, which --cautious"
-                " takes and marks."
-                if cautious is not None
-                else "State it."
-            )
-            self.fault(f"{name} is missing ({info.description}). {remedy}")
+            self.fault(f"{name} is missing ({info.description}). {self.remedy(info, cautious)}")
         return taken
+
+    def remedy(self, info: FieldInfo, cautious: Any) -> str:
+        if cautious is None:
+            return "State it."
+        value = f"{_plain(cautious)} {about(info)['unit']}".rstrip()
+        if self.whole.of_one:
+            return (
+                f"State it; where nothing is known, a cautious value is {value}, as in `{{value:"
+                f" {_plain(cautious)}, source: default}}`."
+            )
+        return f"State it; a cautious value would be {value}, which --cautious takes and marks."
 
     def model(self, model: type[Facts], facts: dict[str, Any]) -> Facts | None:
         try:
@@ -361,6 +415,55 @@ class _Entry:
         own = given.origin if given else {}
         source = _word(own.get("source", row.source), list(SOURCES)) or row.source
         return Origin(source, own.get("assessor", row.assessor), own.get("date", row.date))
+
+
+def as_given(name: str, value: Any, place: str) -> Given | str:
+    """What was stated of a fact: a value alone, or a mapping that says besides where it came from;
+    what is wrong with it when it is neither.
+    """
+    if not isinstance(value, Mapping):
+        return Given(value, place)
+    if any(name not in OWN for name in value) or isinstance(value.get("value"), Mapping | None):
+        return f"`{name}` is a mapping. Write its `value`, and beside it only {', '.join(OWN[1:])}."
+    origin = {key: str(value[key]) for key in OWN[2:] if value.get(key) is not None}
+    return Given(value["value"], place, value.get("unit"), origin)
+
+
+def method_in(text: str) -> str | None:
+    """The method, or the licensed one, that a name means, in whatever spelling."""
+    return _word(text, [*METHODS, *LICENSED]) or ALIASES.get(key(text))
+
+
+YES = ("x", "✓", "✔", "☑", "●", "•", "*", "true", "wahr", "yes", "y", "ja", "j")
+NO = (
+    "",
+    "-",
+    "–",
+    "—",
+    "−",
+    "/",
+    "n/a",
+    "no",
+    "nein",
+    "none",
+    "keine",
+    "false",
+    "falsch",
+    "n",
+    "☐",
+)
+
+
+def truth(value: Any) -> bool | None:
+    """Whether a yes or no such as 1, TRUE, ja or x is a yes; None when it is neither."""
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, int | float):
+        return bool(value) if value in (0, 1) else None
+    if not isinstance(value, str):
+        return None
+    word = clean(value).casefold()
+    return True if word in (*YES, "1") else False if word in (*NO, "0") else None
 
 
 def twice(rows: Iterable[TaskFacts]) -> Iterator[Fault]:
