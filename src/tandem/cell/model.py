@@ -11,12 +11,14 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
+from decimal import Decimal
 from functools import cached_property
 from typing import Any, Self
 
 from pydantic import ValidationError, model_validator
 
 from tandem.cell import soundness
+from tandem.cell.exposures import exposures
 from tandem.cell.parts import Fields
 from tandem.cell.variants import at_variant, left_out_in_vain, merged
 from tandem.errors import CellError, Fault
@@ -49,6 +51,11 @@ class Cell(Fields):
             except ValidationError as error:
                 for item in error.errors(include_url=False):
                     yield at_variant(name, Fault(f"{item['msg']}.", item["loc"]))
+
+    @cached_property
+    def exposures(self) -> Mapping[str, Mapping[tuple[str, str], Decimal]]:
+        """Scale -> {(task, human): the value of one execution}: `exposures.exposures`, once."""
+        return exposures(self)
 
     @cached_property
     def digest(self) -> str:

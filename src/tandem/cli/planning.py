@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.cli.axes import asked_of, axes_options, tell_axes
 from tandem.cli.cycle import Outputs, Repeated, answer, cycle_options
 from tandem.cli.options import (
     FORMAT,
@@ -71,6 +72,7 @@ if TYPE_CHECKING:
 @click.option(
     "--max-makespan", type=float, help="Only schedules whose makespan is at most so many seconds."
 )
+@axes_options
 @cycle_options
 @click.option(
     "--time-limit",
@@ -157,6 +159,11 @@ def plan_command(
     weights: tuple[float, float] | None,
     max_stress: float | None,
     max_makespan: float | None,
+    measure: tuple[str, ...],
+    axes: str | None,
+    shift: float,
+    cycles_per_shift: float | None,
+    limit: tuple[str, ...],
     cycle: bool,
     takt: float | None,
     max_in_process: int | None,
@@ -193,6 +200,8 @@ def plan_command(
       tandem plan cell.yaml --cv 0.2 --robust
       tandem plan cell.yaml --cycle
       tandem plan cell.yaml --takt 30 --max-in-process 2 --report takt.html
+      tandem plan cell.yaml --measure peak:reba --measure dose:duet -o measures.png
+      tandem plan cell.yaml --axes makespan,dose:shoulder_tool,worst:stress
       tandem plan cell.yaml --cycle --mix short=2,long=1
       tandem plan cell.yaml -o plan.json -o sheets.xlsx --point 2 --lang de
       tandem plan cell.yaml --seed 7 --work 5 --json
@@ -224,11 +233,12 @@ def plan_command(
         raise UsageError("--minimize and --weights exclude each other: give one of them.")
     files = [*outputs, *([report] if report else [])]
     repeated = Repeated(cycle, takt, max_in_process, batch, mix, one_allocation)
+    asked = asked_of(measure, axes, shift, cycles_per_shift, limit, outputs)
     if repeated:
         repeated.check(minimize, is_given)
     elif minimize == "cycle_time":
         raise UsageError("--minimize cycle_time goes with --cycle.")
-    else:
+    elif not asked:
         ready_to_write(files)
     cell, base = product_of(load(cell_file, form), product), None
     if sets or without or force:
@@ -245,6 +255,18 @@ def plan_command(
         where = Outputs(tuple(files), source, stem, as_json, point, lang, quiet)
         return answer(
             cell, repeated, minimize, where, method=method, max_stress=max_stress, **effort
+        )
+    if asked:
+        return tell_axes(
+            cell,
+            asked,
+            outputs,
+            source=source,
+            as_json=as_json,
+            lang=lang,
+            time_limit=time_limit,
+            seed=seed,
+            workers=workers,
         )
     kind = minimize or ("weighted" if weights else "front")
     question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
