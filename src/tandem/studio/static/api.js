@@ -63,9 +63,11 @@ function askUntilBack() {
 }
 
 export const health = () => ask("GET", "/api/health");
-export const readCell = () => ask("GET", "/api/cell");
-/** @param {Record<string, any>} body */
-export const writeCell = (body) => ask("PUT", "/api/cell", body);
+export const listFiles = () => ask("GET", "/api/files");
+/** @param {string} [name] a file of the folder, else the first. */
+export const readCell = (name) => ask("GET", `/api/cell${name ? `?${new URLSearchParams({ file: name })}` : ""}`);
+/** @param {string} name @param {Record<string, any>} body */
+export const writeCell = (name, body) => ask("PUT", `/api/cell?${new URLSearchParams({ file: name })}`, body);
 /** @param {Record<string, any>} body */
 export const check = (body) => ask("POST", "/api/check", body);
 /** @param {Record<string, any>} body */

@@ -9,14 +9,14 @@ import { Gantt } from "./gantt.js";
 import { Graph } from "./graph.js";
 import { Player } from "./player.js";
 import {
-  canRedo, canUndo, cell, conflict, dirty, faults, file, infeasible, makePlan, open, options, plan, redo, running, save, saveAnyway, say, selected, status, stopPlan, takeTheirs, undo, watchForFaults, work,
+  canRedo, canUndo, cell, conflict, dirty, faults, file, files, infeasible, listFiles, makePlan, open, options, plan, redo, running, save, saveAnyway, say, selected, status, stopPlan, takeTheirs, undo, watchForFaults, work,
 } from "./state.js";
 import { Table } from "./table.js";
 import { LANGUAGES, language, loadWords, speak, t } from "./words.js";
-import { effect, html, observed, render, signal } from "./view.js";
+import { Menu, effect, html, observed, render, signal } from "./view.js";
 
 const KEPT_THEME = "tandem.theme";
-const THEMES = /** @type {const} */ (["auto", "light", "dark"]);
+const systemIsDark = matchMedia("(prefers-color-scheme: dark)");
 const theme = signal(localStorage.getItem(KEPT_THEME) ?? "auto");
 effect(() => {
   document.documentElement.dataset.theme = theme.value;
@@ -37,10 +37,12 @@ const App = observed(() => {
       <section class="plan" aria-label=${t("gantt.title")}>
         <${Gantt} />
         <${Player} />
-        <div class="explain"><${Explain} /></div>
+        <${Explain} />
       </section>
+      <div class="below">
       <section class="tasks" aria-label=${t("table.title")}><${Table} /></section>
       <section class="precedence" aria-label=${t("graph.title")}><${Graph} /></section>
+      </div>
     </main>
   `;
 });
@@ -48,6 +50,7 @@ const App = observed(() => {
 const Bar = observed(() => html`
   <header>
     <h1>${String(cell.value.name ?? file.value.name)}<span class="faint">${file.value.name}${dirty.value ? ` · ${t("file.unsaved")}` : ""}</span></h1>
+    <${Others} />
     <div class="buttons">
       ${running.value
         ? html`<button class="first" onClick=${stopPlan}>${t("button.stop")}</button>`
@@ -59,15 +62,26 @@ const Bar = observed(() => html`
       <button onClick=${redo} disabled=${!canRedo.value} title=${t("keys.redo")}>${t("button.redo")}</button>
       <button onClick=${save} disabled=${!dirty.value} title=${t("keys.save")}>${t("button.save")}</button>
       <${Share} />
-      <select class="quiet" aria-label=${t("language")} onChange=${(/** @type {any} */ event) => speak(event.currentTarget.value)}>
-        ${LANGUAGES.map((name) => html`<option value=${name} lang=${name} selected=${name === language.value}>${t(`language.${name}`)}</option>`)}
-      </select>
-      <select class="quiet" aria-label=${t("theme")} onChange=${setTheme}>
-        ${THEMES.map((name) => html`<option value=${name} selected=${name === theme.value}>${t(`theme.${name}`)}</option>`)}
-      </select>
+      ${LANGUAGES.filter((name) => name !== language.value).map(
+        (name) => html`<button key=${name} class="quiet" lang=${name} onClick=${() => speak(name)}>${t(`language.${name}`)}</button>`,
+      )}
+      <button class="quiet" onClick=${changeTheme}>${t(isDark() ? "theme.light" : "theme.dark")}</button>
     </div>
   </header>
 `);
+
+/** The other cells of the folder. */
+const Others = observed(() => {
+  const items = files.value.filter((name) => name !== file.value.name).map((name) => ({ key: name, label: name }));
+  if (items.length === 0) return null;
+  return html`<${Menu} label=${t("file.other")} items=${items} choose=${openOther} />`;
+});
+
+/** @param {string} name */
+function openOther(name) {
+  if (dirty.value) say("status.unsaved", {}, "bad");
+  else open(name);
+}
 
 /** @param {any} event */
 function setLimit(event) {
@@ -76,9 +90,11 @@ function setLimit(event) {
   event.currentTarget.value = String(seconds);
 }
 
-/** @param {any} event */
-function setTheme(event) {
-  theme.value = event.currentTarget.value;
+/** Whether the page is dark now: by choice, or as the system is. */
+const isDark = () => theme.value === "dark" || (theme.value === "auto" && systemIsDark.matches);
+
+function changeTheme() {
+  theme.value = isDark() ? "light" : "dark";
   localStorage.setItem(KEPT_THEME, theme.value);
 }
 
@@ -141,4 +157,5 @@ await loadWords();
 const root = /** @type {HTMLElement} */ (document.getElementById("studio"));
 render(html`<${App} />`, root);
 await open();
+await listFiles();
 watchForFaults();

@@ -35,9 +35,9 @@ export const Explain = observed(() => {
     answer.value = null;
   }, [task, shown]);
   if (!shown) return null;
-  if (task === null || !shown.assignments.some((one) => one.task === task)) return html`<p class="hint">${t("explain.hint")}</p>`;
+  if (task === null || !shown.assignments.some((one) => one.task === task)) return html`<p class="explain hint">${t("explain.hint")}</p>`;
   const told = answer.value?.task === task ? answer.value : null;
-  return html`
+  return html`<div class="explain">
     <div class="heading">
       <h2>${t("explain.title", { task })}</h2>
       <span class="tools"><button onClick=${() => ask(task)} disabled=${told?.sentences === null || stale.value}>${t("explain.ask")}</button></span>
@@ -45,5 +45,5 @@ export const Explain = observed(() => {
     ${told?.sentences === null ? html`<p class="hint">${t("explain.waiting")}</p>` : null}
     ${told?.error ? html`<p class="error">${told.error}</p>` : null}
     ${told?.sentences?.length ? html`<ul class="sentences" aria-live="polite">${told.sentences.map((one) => html`<li>${one}</li>`)}</ul>` : null}
-  `;
+  </div>`;
 });

@@ -237,7 +237,8 @@ async function askLanes(one) {
     lanes().map(async (name) => {
       const verdict = name === one.operators[0] ? null : await verdictOn(one.task, [name], one.start);
       if (carried.value?.task !== one.task) return;
-      barred.value = { ...barred.value, [name]: verdict && !verdict.allowed ? verdict.reasons.join(" ") : null };
+      const can = !verdict || verdict.ways?.some((/** @type {any} */ way) => way.operators.includes(name));
+      barred.value = { ...barred.value, [name]: can ? null : verdict.reasons.join(" ") };
     }),
   );
 }
@@ -256,11 +257,17 @@ async function askVerdict() {
       const verdict = await verdictOn(now.task, now.operators, now.start);
       const then = carried.value;
       if (then && then.task === now.task && then.start === now.start && then.operators.join() === now.operators.join())
-        carried.value = { ...then, verdict, length: verdict.end === undefined ? then.length : verdict.end - then.start };
+        carried.value = { ...then, verdict, length: lengthIn(verdict, then) };
     } while (again);
   } finally {
     asking = false;
   }
+}
+
+/** @param {any} verdict @param {Carried} now @returns {number} seconds that the task takes there, by the server. */
+function lengthIn(verdict, now) {
+  const one = verdict.assignments?.find((/** @type {Assignment} */ other) => other.task === now.task);
+  return one ? tidy(one.end - one.start) : now.length;
 }
 
 /** @param {string[]} operators @param {number} start */
@@ -350,7 +357,7 @@ function letGo() {
 /** @param {Carried} now */
 async function put(now) {
   if (now.start === now.from.start && now.operators.join() === now.from.operators.join()) return;
-  await drop(now.task, now.operators, now.start, now.length);
+  await drop(now.task, now.operators, now.start);
 }
 
 /** @param {KeyboardEvent} event @param {Assignment} one @param {string} lane */

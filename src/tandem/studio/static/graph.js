@@ -14,7 +14,6 @@ import { computed, html, observed, signal, useRef } from "./view.js";
 
 const NODE = { width: 64, height: 40 };
 const HOLD_PX = 4;
-const SIZES = { small: 0.8, whole: 1 };
 
 /** The task from which an arrow is being drawn, and where its tip is. */
 const drawing = signal(/** @type {{from: string, x: number, y: number, over: string | null, keyed: boolean} | null} */ (null));
@@ -37,7 +36,7 @@ const layout = computed(() => {
   graph.setGraph({ rankdir: "LR", nodesep: 18, ranksep: 44, marginx: 12, marginy: 12 });
   graph.setDefaultEdgeLabel(() => ({}));
   for (const name of new Set(names)) graph.setNode(name, { width: Math.max(NODE.width, 9 * name.length + 24), height: NODE.height });
-  // An arrow that others imply is drawn thin, and the layout does better without it.
+  // An arrow that others imply is drawn thin and curved; the layout does better without it.
   const implied = impliedOf(names, arrows);
   for (const [from, to] of arrows) if (!implied.has(`${from}\n${to}`)) graph.setEdge(from, to);
   dagre.layout(graph);
@@ -112,11 +111,12 @@ function unlink(from, to) {
 /** @param {{x: number, y: number}[]} points @returns {string} */
 const path = (points) => points.map((p, i) => `${i ? "L" : "M"}${p.x},${p.y}`).join("");
 
-/** @param {any} one @param {any} other @returns {{x: number, y: number}[]} a straight way between two boxes. */
-const straight = (one, other) => [
-  { x: one.x + one.width / 2, y: one.y },
-  { x: other.x - other.width / 2, y: other.y },
-];
+/** @param {any} one @param {any} other @returns {string} a bow between two boxes, around those between them. */
+function curve(one, other) {
+  const [x1, x2] = [one.x + one.width / 2, other.x - other.width / 2];
+  const bow = Math.min(60, (x2 - x1) / 3) * (one.y > other.y ? 1 : -1);
+  return `M${x1},${one.y}Q${(x1 + x2) / 2},${(one.y + other.y) / 2 + bow} ${x2},${other.y}`;
+}
 
 export const Graph = observed(() => {
   const svg = useRef(/** @type {SVGSVGElement | null} */ (null));
@@ -130,8 +130,8 @@ export const Graph = observed(() => {
         ref=${svg}
         role="group"
         aria-label=${t("graph.title")}
-        width=${Math.max(width, 200) * SIZES.whole}
-        height=${Math.max(height, 80) * SIZES.whole}
+        width=${Math.max(width, 200)}
+        height=${Math.max(height, 80)}
         viewBox="0 0 ${Math.max(width, 200)} ${Math.max(height, 80)}"
       >
         <defs>
@@ -139,8 +139,7 @@ export const Graph = observed(() => {
         </defs>
         ${arrows.map(([from, to]) => {
           const thin = implied.has(`${from}\n${to}`);
-          const points = thin ? straight(graph.node(from), graph.node(to)) : graph.edge(from, to).points;
-          return html`<${Arrow} key=${`${from}\n${to}`} from=${from} to=${to} way=${path(points)} thin=${thin} />`;
+          return html`<${Arrow} key=${`${from}\n${to}`} from=${from} to=${to} way=${thin ? curve(graph.node(from), graph.node(to)) : path(graph.edge(from, to).points)} thin=${thin} />`;
         })}
         ${graph.nodes().map((name) => {
           const { x, y, width } = graph.node(name);

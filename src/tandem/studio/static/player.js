@@ -39,12 +39,8 @@ export const Player = observed(() => {
         <input type="range" min="0" max=${end} step="0.1" value=${at} aria-valuetext=${t("seconds", { n: Math.round(at * 10) / 10 })}
           onInput=${(/** @type {any} */ event) => (moment.value = Number(event.currentTarget.value))} />
       </label>
-      <output>${t("seconds", { n: Math.floor(at * 10) / 10 })}</output>
-      <label>${t("player.speed")}
-        <select onChange=${(/** @type {any} */ event) => (speed.value = Number(event.currentTarget.value))}>
-          ${SPEEDS.map((one) => html`<option value=${one} selected=${one === rate}>${one}×</option>`)}
-        </select>
-      </label>
+      <span class="at">${t("seconds", { n: Math.floor(at * 10) / 10 })}</span>
+      <button onClick=${() => (speed.value = SPEEDS[(SPEEDS.indexOf(rate) + 1) % SPEEDS.length])}>${t("player.speed", { n: rate })}</button>
       ${moment.value === null ? null : html`<${Doing} at=${at} />`}
     </div>
   `;

@@ -81,14 +81,23 @@ export const dirty = computed(() => work.value !== null && textOf(cell.value) !=
 /** The newer state of the file that a save met, until the user has chosen. */
 export const conflict = signal(/** @type {{version: string, cell: Cell} | null} */ (null));
 
-/** Reads the file as it is. */
-export async function open() {
-  const { status: code, document } = await api.readCell();
+/** The cell files that can be opened. */
+export const files = signal(/** @type {string[]} */ ([]));
+export async function listFiles() {
+  const { status: code, document } = await api.listFiles();
+  if (code === 200) files.value = document.files.map((/** @type {{name: string}} */ one) => one.name);
+}
+
+/** Reads a file as it is. @param {string} [name] */
+export async function open(name) {
+  const { status: code, document } = await api.readCell(name);
   if (code !== 200) return say("status.refused", { reason: reasonOf(document) }, "bad");
   batch(() => {
     file.value = { name: document.name, version: document.version };
     savedText.value = textOf(document.cell);
     work.value = { cell: document.cell, hand: null, locks: [] };
+    past.value = future.value = [];
+    plan.value = proposal.value = infeasible.value = picked.value = null;
   });
   say("status.ready", { name: document.name });
 }
@@ -97,7 +106,7 @@ export async function open() {
 export async function save() {
   if (blocked()) return;
   const written = cell.value;
-  const { status: code, document } = await api.writeCell({ cell: written, version: file.value.version });
+  const { status: code, document } = await api.writeCell(file.value.name, { cell: written, version: file.value.version });
   if (code === 409) {
     conflict.value = { version: document.version, cell: document.cell };
     return say("status.newer", {}, "bad");
@@ -299,21 +308,20 @@ export async function verdictOn(task, operators, start) {
 
 /**
  * Puts a task elsewhere, if its cell lets it; the faults that this makes are shown, not forbidden.
- * @param {string} task @param {string[]} operators @param {number} start @param {number} length
+ * @param {string} task @param {string[]} operators @param {number} start
  */
-export async function drop(task, operators, start, length) {
-  const before = /** @type {Point} */ (point.value);
+export async function drop(task, operators, start) {
   const verdict = await verdictOn(task, operators, start);
   if (!verdict.allowed) return say("status.cannot", { task, reason: verdict.reasons.join(" ") }, "bad");
-  const moved = { task, operators, start, end: verdict.end ?? Math.round((start + length) * 1e6) / 1e6 };
-  const placed = [...new Set([...(hand.value?.placed ?? []), task])];
-  const assignments = verdict.assignments ?? before.assignments.map((one) => (one.task === task ? moved : one));
+  const { assignments, makespan, stress, faults } = verdict;
+  const placed = [...(hand.value?.placed ?? []).filter((name) => name !== task), task];
   batch(() => {
-    change({ hand: { assignments, makespan: verdict.makespan, stress: verdict.stress, faults: verdict.faults, placed } });
+    change({ hand: { assignments, makespan, stress, faults, placed } });
     proposal.value = null;
   });
-  const values = { task, point: pointName(verdict), n: verdict.faults.length };
-  say(verdict.faults.length ? "status.placed_with_faults" : "status.placed", values, verdict.faults.length ? "bad" : "");
+  const values = { task, point: pointName(verdict), n: faults.length };
+  if (faults.length) say("status.placed_with_faults", values, "bad");
+  else say("status.placed", values);
 }
 
 /** Plans the rest anew around what is locked and placed, with the fewest changes. */

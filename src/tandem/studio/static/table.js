@@ -7,7 +7,7 @@
 import { FURTHER, cellOf, columnsOf, newTask, write } from "./columns.js";
 import { cell, change, faults, say, typed } from "./state.js";
 import { t } from "./words.js";
-import { batch, computed, html, observed, signal, untracked, useEffect, useLayoutEffect, useMemo, useRef } from "./view.js";
+import { Menu, batch, computed, html, observed, signal, untracked, useLayoutEffect, useMemo, useRef } from "./view.js";
 
 /** @typedef {import("./columns.js").Column} Column */
 /** @typedef {import("./ordered.js").Cell} Cell */
@@ -85,20 +85,11 @@ const MoreColumns = observed(() => {
   const there = new Set(columns.value.map((column) => column.id));
   const rest = FURTHER.filter((key) => !there.has(key));
   if (rest.length === 0) return null;
-  return html`<select
-    aria-label=${t("table.more")}
-    onChange=${(/** @type {any} */ event) => {
-      asked.value = [...asked.value, event.currentTarget.value];
-      event.currentTarget.value = "";
-    }}
-  >
-    <option value="">${t("table.more")}</option>
-    ${rest.map((key) => html`<option key=${key} value=${key}>${t(`column.${key}`)}</option>`)}
-  </select>`;
+  const items = rest.map((key) => ({ key, label: t(`column.${key}`) }));
+  return html`<${Menu} label=${t("table.more")} items=${items} choose=${(/** @type {string} */ key) => (asked.value = [...asked.value, key])} />`;
 });
 
-/** What a row shows of the range and of editing, as a text that changes only when it does. */
-/** @param {number} row */
+/** @param {number} row @returns {string} what it shows of the range and of editing; changes only when that does. */
 function paintOf(row) {
   const { top, bottom, left, right } = bounds();
   const { to } = range.value;
@@ -158,9 +149,10 @@ const Editor = observed((/** @type {{row: number, column: number, title: string}
 /** Gives the focus to the active cell when it has moved. */
 const Focus = observed((/** @type {{grid: {current: HTMLElement | null}}} */ { grid }) => {
   const { row, column } = range.value.to;
-  const open = editing.value;
-  useEffect(() => {
-    if (!focused.value || open) return;
+  editing.value; // when it ends, the focus goes back to the cell
+  useLayoutEffect(() => {
+    // Asked now, not when this was drawn: a key may have begun to edit since.
+    if (!focused.peek() || editing.peek()) return;
     const active = /** @type {HTMLElement | null} */ (grid.current?.querySelector(`[data-row="${row}"][data-column="${column}"]`));
     if (active && document.activeElement !== active) active.focus();
     focused.value = false;
@@ -198,7 +190,7 @@ function beginEdit(row, column, text) {
 function type(text) {
   const now = editing.value;
   if (!now) return;
-  now.text = text;
+  now.text = text; // the field shows it already: nobody has to draw anew
   typed.value = write(cell.value, now.row, columns.value[now.column], text);
 }
 

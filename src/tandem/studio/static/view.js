@@ -9,6 +9,30 @@ import { batch, computed, effect, signal, untracked } from "./vendor/signals-cor
 export { batch, computed, effect, html, render, signal, untracked, useEffect, useLayoutEffect, useMemo, useRef, useState };
 
 /**
+ * A button that opens a list of buttons, and closes it when one was chosen.
+ * @param {{label: string, items: {key: string, label: string}[], choose: (key: string) => void}} props
+ */
+export function Menu({ label, items, choose }) {
+  return html`<details
+    class="menu"
+    onKeyDown=${(/** @type {KeyboardEvent} */ event) => event.key === "Escape" && /** @type {any} */ (event.currentTarget).removeAttribute("open")}
+  >
+    <summary>${label}</summary>
+    <div>
+      ${items.map(
+        (item) => html`<button
+          key=${item.key}
+          onClick=${(/** @type {any} */ event) => {
+            event.currentTarget.closest("details").removeAttribute("open");
+            choose(item.key);
+          }}
+        >${item.label}</button>`,
+      )}
+    </div>
+  </details>`;
+}
+
+/**
  * A component of `draw` that is drawn anew when its properties or the signals that it reads change,
  * and otherwise left alone.
  * @template P
