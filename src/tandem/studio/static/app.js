@@ -9,7 +9,7 @@ import { Gantt } from "./gantt.js";
 import { Graph } from "./graph.js";
 import { Player } from "./player.js";
 import {
-  canRedo, canUndo, cell, conflict, dirty, faults, file, files, infeasible, listFiles, makePlan, open, options, plan, redo, running, save, saveAnyway, say, selected, status, stopPlan, takeTheirs, undo, watchForFaults, work,
+  canRedo, canUndo, cell, conflict, dirty, faults, file, files, hand, infeasible, listFiles, makePlan, open, options, plan, proposal, redo, running, save, saveAnyway, say, selected, status, stopPlan, takeTheirs, undo, watchForFaults, work,
 } from "./state.js";
 import { Table } from "./table.js";
 import { LANGUAGES, language, loadWords, speak, t } from "./words.js";
@@ -113,12 +113,19 @@ const Newer = observed(() =>
 
 /** The report of what was planned, as one file. */
 const Share = observed(() => {
-  if (!plan.value?.document.cell_document || running.value) return null;
+  if (running.value || !reported()) return null;
   return html`<button onClick=${download} title=${t("keys.report")}>${t("button.report")}</button>`;
 });
 
+/** The document of the schedule on show, and which of its points it is; null where it was only placed by hand. */
+function reported() {
+  if (proposal.value) return null;
+  if (hand.value) return hand.value.document ? { plan: hand.value.document, point: 1 } : null;
+  return plan.value?.document.cell_document ? { plan: plan.value.document, point: selected.value + 1 } : null;
+}
+
 async function download() {
-  const answer = await api.report({ plan: plan.value?.document, point: selected.value + 1, form: "html" });
+  const answer = await api.report({ ...reported(), form: "html", lang: language.value });
   if (!answer.ok) return say("status.refused", { reason: (await answer.json()).error }, "bad");
   const name = /filename="?([^";]+)/.exec(answer.headers.get("Content-Disposition") ?? "")?.[1] ?? "plan.html";
   const link = document.createElement("a");

@@ -5,7 +5,7 @@
  */
 import * as api from "./api.js";
 import { cell, picked, point, stale } from "./state.js";
-import { t } from "./words.js";
+import { language, t } from "./words.js";
 import { html, observed, signal, useEffect } from "./view.js";
 
 const answer = signal(/** @type {{task: string, sentences: string[] | null, error?: string} | null} */ (null));
@@ -16,7 +16,7 @@ async function ask(task) {
   if (!now) return;
   answer.value = { task, sentences: null };
   try {
-    const { status, document } = await api.explain({ cell: cell.value, assignments: now.assignments, task });
+    const { status, document } = await api.explain({ cell: cell.value, assignments: now.assignments, task, lang: language.value });
     if (answer.value?.task !== task) return;
     answer.value =
       status === 200

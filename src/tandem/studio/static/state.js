@@ -5,13 +5,13 @@
  */
 import * as api from "./api.js";
 import { textOf } from "./ordered.js";
-import { t } from "./words.js";
+import { language, t } from "./words.js";
 import { batch, computed, effect, signal, untracked } from "./view.js";
 
 /** @typedef {import("./ordered.js").Cell} Cell */
 /** @typedef {{task: string, operators: string[], start: number, end: number}} Assignment */
 /** @typedef {{makespan: number, stress: number, assignments: Assignment[], status?: string, bound?: any, digest?: string}} Point */
-/** @typedef {Point & {faults: string[], placed: string[]}} ByHand a schedule made by hand: what the checker says of it, which tasks were placed. */
+/** @typedef {Point & {faults: string[], placed: string[], document?: any}} ByHand a schedule made by hand: what the checker says of it, which tasks were placed since it was last re-solved, and then its document. */
 /** @typedef {{cell: Cell, hand: ByHand | null, locks: string[]}} Work */
 /** @typedef {{place: string[], message: string, value?: unknown}} Fault */
 
@@ -281,7 +281,7 @@ export const pointName = (point) => t("point.name", { makespan: point.makespan, 
 // ---- the schedule on show
 
 /** What re-solving proposes, until it is kept or discarded. */
-export const proposal = signal(/** @type {{point: Point & {changed?: {task: string, what: string}[]}, sentence: string} | null} */ (null));
+export const proposal = signal(/** @type {{point: Point & {changed?: {task: string, what: string}[]}, sentence: string, document: any} | null} */ (null));
 export const point = computed(() => /** @type {Point | undefined} */ (proposal.value?.point ?? hand.value ?? front.value[selected.value]));
 /** The schedule under the one on show, drawn as ghosts. */
 export const ghosts = computed(() => (proposal.value ? (hand.value ?? front.value[selected.value])?.assignments : hand.value ? front.value[selected.value]?.assignments : null) ?? []);
@@ -336,18 +336,19 @@ export async function resolveRest() {
     cell: cell.value,
     assignments: now.assignments,
     keep,
+    lang: language.value,
     ...(last && { place: { task: last.task, operators: last.operators, start: last.start } }),
   });
   if (code !== 200) return refused(document);
-  proposal.value = { point: document.point, sentence: document.sentence };
+  proposal.value = { point: document.point, sentence: document.sentence, document: document.document };
   say("status.proposed", { sentence: document.sentence });
 }
 
 export function keepProposal() {
-  const kept = proposal.value?.point;
-  if (!kept) return;
+  if (!proposal.value) return;
+  const { point: kept, document } = proposal.value;
   batch(() => {
-    change({ hand: { ...kept, faults: [], placed: hand.value?.placed ?? [] } });
+    change({ hand: { ...kept, faults: [], placed: [], document } });
     proposal.value = null;
   });
   say("status.kept", { point: pointName(kept) });
