@@ -20,6 +20,7 @@ from tandem.files.atomic import store
 from tandem.files.json_writer import to_json
 from tandem.files.load import LARGEST, document_in
 from tandem.files.validate import cell_of
+from tandem.files.yaml_edit import changed
 from tandem.files.yaml_writer import to_yaml
 
 READ = (".yaml", ".yml", ".json")
@@ -191,7 +192,8 @@ class Folder:
     # --- writing ----------------------------------------------------------------------------------
 
     def save(self, name: str, cell: Cell, version: str | None) -> str:
-        """Writes the cell and returns the new version.
+        """Writes the cell and returns the new version. Of a YAML file what has not changed stays
+        as it was written, comments included.
 
         Args:
           version: of the file that was read; None for a new file.
@@ -204,10 +206,22 @@ class Folder:
         with self._writing:
             if self.version(name) != version:
                 raise NewerError(self.open(name) if path.exists() else None)
-            text = to_json(cell) if path.suffix.lower() == ".json" else to_yaml(cell)
+            text = self._text(name, cell, version)
             store(path, text)
         self.forget_draft(name)
         return version_of(text.encode())
+
+    def _text(self, name: str, cell: Cell, version: str | None) -> str:
+        """What is to stand in the file."""
+        if name.lower().endswith(".json"):
+            return to_json(cell)
+        if version is None:
+            return to_yaml(cell)
+        try:
+            before = self.open(name).document
+        except CellError:  # no YAML at all
+            return to_yaml(cell)
+        return changed(self._bytes(name).decode(), before, cell)
 
     # --- what was not saved -----------------------------------------------------------------------
 

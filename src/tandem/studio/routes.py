@@ -4,6 +4,7 @@ answers. The OpenAPI document is made of it.
 
 from __future__ import annotations
 
+import base64
 import json
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
@@ -17,14 +18,24 @@ from starlette.responses import JSONResponse, Response
 
 import tandem
 from tandem.errors import CellError, UsageError
-from tandem.studio.asked import TABLE, TEXT, cell_in, read
+from tandem.studio.asked import LANGUAGE, TABLE, TEXT, WHOLE, Json, Kind, cell_in, read
 from tandem.studio.failures import errors_of
 from tandem.studio.folder import NewerError
-from tandem.studio.jobs import OPTIONS
-from tandem.studio.pool import BusyError
+from tandem.studio.jobs import JOBS, OF_A_CELL, OPTIONS
+from tandem.studio.schemas import (
+    ANYTHING,
+    ASSIGNMENTS,
+    ERRORS,
+    PLAN,
+    POINT,
+    fails,
+    or_null,
+    rows,
+    string,
+    table,
+)
 from tandem.studio.session import Draft, Session
 
-Json = dict[str, Any]
 Handler = Callable[[Request, Session], Awaitable[Response]]
 
 FORMAT = 1
@@ -37,18 +48,19 @@ class Route:
 
     Attributes:
       what: is answered, in a sentence.
-      asks: JSON Schema of the body, None where there is none.
+      asks: the keys of the body and those that are needed; the name of a job, whose keys they are;
+        a media type where it is no JSON; None where there is no body.
       query: name -> JSON Schema and a sentence.
-      answers: status -> JSON Schema of the answer; a text for a media type that is not JSON.
+      answers: status -> JSON Schema of the answer; a media type where it is no JSON.
     """
 
     method: str
     path: str
     handler: Handler
     what: str
-    asks: Json | None = None
+    asks: tuple[Mapping[str, Kind], tuple[str, ...]] | str | None = None
     query: Mapping[str, tuple[Json, str]] = field(default_factory=dict)
-    answers: Mapping[int, Any] = field(default_factory=dict)
+    answers: Mapping[int, Json | str] = field(default_factory=dict)
 
 
 async def body_of(request: Request) -> Any:
@@ -66,10 +78,6 @@ async def body_of(request: Request) -> Any:
 
 def _no_number(word: str) -> float:
     raise ValueError(f"{word} is no number of JSON")
-
-
-def _text(**more: Any) -> Json:
-    return {"type": "string", **more}
 
 
 # --- the cell -------------------------------------------------------------------------------------
@@ -152,14 +160,32 @@ async def files(request: Request, session: Session) -> Response:
 # --- planning -------------------------------------------------------------------------------------
 
 
-async def plan(request: Request, session: Session) -> Response:
-    given = read(
-        await body_of(request), {"cell": TABLE, "options": TABLE, "draft": TEXT, "file": TEXT}
-    )
-    read(given.get("options", {}), OPTIONS)
-    cell = await anyio.to_thread.run_sync(session.document, given)
-    job = {"cell": cell, "options": given.get("options", {})}
-    return JSONResponse(await session.pool.document("plan", job))
+async def asked_job(name: str, request: Request, session: Session) -> Json:
+    """A request that is one of `JOBS`, with its cell. Raises UsageError, CellError."""
+    job = JOBS[name]
+    given = job.asked(await body_of(request))
+    if job.of_a_cell:
+        cell = await anyio.to_thread.run_sync(session.document, given)
+        given = {key: value for key, value in given.items() if key not in OF_A_CELL}
+        given["cell"] = cell
+    return given
+
+
+def answered_by(name: str) -> Handler:
+    """The handler that gives the document of a job."""
+
+    async def handler(request: Request, session: Session) -> Response:
+        given = await asked_job(name, request, session)
+        if JOBS[name].quick:
+            do = partial(JOBS[name].do, given, _untold)
+            return JSONResponse(await anyio.to_thread.run_sync(do))
+        return JSONResponse(await session.pool.document(name, given))
+
+    return handler
+
+
+def _untold(data: Json) -> None:
+    """Nobody waits for what is known meanwhile."""
 
 
 async def stream(request: Request, session: Session) -> Response:
@@ -168,7 +194,7 @@ async def stream(request: Request, session: Session) -> Response:
     which: Json = {key: query.pop(key) for key in ("draft", "file") if key in query}
     name = session.name_of(which)
     options = {key: _value(text) for key, text in query.items()}
-    read(options, OPTIONS)
+    read(options, OPTIONS, where="options.")
     cell = await anyio.to_thread.run_sync(session.document, which)
     events = session.pool.events("plan", {"cell": cell, "options": options}, is_stream=True)
     first = await anext(events)  # refuses here when there is no place
@@ -201,24 +227,225 @@ def _event(event: str, data: Json) -> ServerSentEvent:
 
 
 async def stop(request: Request, session: Session) -> Response:
-    given = await body_of(request)
-    number = given.get("run") if isinstance(given, Mapping) else None
-    if number is not None and not isinstance(number, int):
-        raise UsageError(f"run is {number!r}, but must be the number of a search.")
-    return JSONResponse({"stopped": session.pool.stop(number)})
+    given = read(await body_of(request), {"run": WHOLE})
+    return JSONResponse({"stopped": session.pool.stop(given.get("run"))})
 
+
+async def report(request: Request, session: Session) -> Response:
+    told = await session.pool.document("report", await asked_job("report", request, session))
+    name = told["name"]
+    return Response(
+        base64.b64decode(told["content"]),
+        media_type=told["type"],
+        headers={"content-disposition": f'attachment; filename="{name}"'},
+    )
+
+
+async def import_(request: Request, session: Session) -> Response:
+    query = request.query_params
+    raw = await request.body()
+    if not raw:
+        raise UsageError("there is no workbook in the request: send the file's bytes as the body.")
+    many = {key: query.getlist(key) for key in ("map", "human", "robot", "machine")}
+    one = {key: query[key] for key in query if key not in many}
+    given = {"name": "workbook.xlsx", **one, **{key: texts for key, texts in many.items() if texts}}
+    content = base64.b64encode(raw).decode()
+    job = JOBS["import"].asked({**given, "content": content})
+    return JSONResponse(await session.pool.document("import", job))
+
+
+async def openapi(request: Request, session: Session) -> Response:
+    from tandem.studio.openapi import document
+
+    return JSONResponse(document())
+
+
+# --- the table ------------------------------------------------------------------------------------
+
+FILE = {"file": (string(), "Which file of the folder; the first when absent.")}
+VERSION = string(description="Changes when the file's content does.")
 
 ROUTES: tuple[Route, ...] = (
-    Route("GET", "/api/health", health, "Whether the server answers, and its version."),
-    Route("GET", "/api/cell", get_cell, "The cell file as it stands on the disk."),
-    Route("PUT", "/api/cell", put_cell, "Saves the cell, never over a newer file."),
-    Route("POST", "/api/check", check, "What is wrong with a cell; nothing is written."),
-    Route("POST", "/api/draft", draft, "Holds a cell that is not saved."),
-    Route("GET", "/api/files", files, "The cell files of the folder."),
-    Route("POST", "/api/plan", plan, "The plan document, as `tandem plan --json`."),
-    Route("GET", "/api/plan/stream", stream, "The same as it is found, as server-sent events."),
-    Route("POST", "/api/plan/stop", stop, "Ends searches with what they have found."),
+    Route(
+        "GET",
+        "/api/health",
+        health,
+        "Whether the server answers, and its version.",
+        answers={200: table(status={"const": "ok"}, version=string())},
+    ),
+    Route(
+        "GET",
+        "/api/cell",
+        get_cell,
+        "The cell file as it stands on the disk; one that is no sound cell with its errors.",
+        query=FILE,
+        answers={
+            200: table(
+                cell=ANYTHING,
+                version=VERSION,
+                name=string(),
+                format={"const": FORMAT},
+                **{"errors?": ERRORS, "draft?": table(cell=ANYTHING, version=or_null(string()))},
+            ),
+            **fails(403, 404, 422),
+        },
+    ),
+    Route(
+        "PUT",
+        "/api/cell",
+        put_cell,
+        "Saves the cell, never over a file that has changed since it was read.",
+        asks=({"cell": TABLE, "version": TEXT}, ("cell",)),
+        query=FILE,
+        answers={
+            200: table(version=VERSION),
+            409: table(error=string(), version=or_null(string()), cell=ANYTHING),
+            **fails(400, 403, 422),
+        },
+    ),
+    Route(
+        "POST",
+        "/api/check",
+        check,
+        "What is wrong with a cell; nothing is written.",
+        asks=({"cell": TABLE}, ("cell",)),
+        answers={200: table(errors=ERRORS), **fails(400, 403)},
+    ),
+    Route(
+        "POST",
+        "/api/draft",
+        draft,
+        "Holds a cell that is not saved, to plan it, and to keep it when the server is stopped;"
+        " without a cell, forgets what is held for the file.",
+        asks=({"cell": TABLE, "version": TEXT, "file": TEXT}, ()),
+        answers={200: table(draft=or_null(string())), **fails(400, 403)},
+    ),
+    Route(
+        "GET",
+        "/api/files",
+        files,
+        "The cell files of the folder.",
+        answers={200: table(files=rows(table(name=string())))},
+    ),
+    Route(
+        "POST",
+        "/api/plan",
+        answered_by("plan"),
+        "The plan document, as `tandem plan --json` prints it; `options` are its options.",
+        asks="plan",
+        answers={200: PLAN, **fails(400, 403, 422, 503)},
+    ),
+    Route(
+        "GET",
+        "/api/plan/stream",
+        stream,
+        "The same as it is found, as server-sent events: `started`, `progress`, `done`, `failed`.",
+        query={
+            "token": (string(), "An event source sends no headers."),
+            "draft": (string(), "A cell that is held."),
+            **FILE,
+            **{
+                name: (kind.schema, f"As the option of `tandem plan`: {kind.words}.")
+                for name, kind in OPTIONS.items()
+            },
+        },
+        answers={200: "text/event-stream", **fails(400, 403, 422, 503)},
+    ),
+    Route(
+        "POST",
+        "/api/plan/stop",
+        stop,
+        "Ends the streams' searches, or the `run` of this number, with what they have found.",
+        asks=({"run": WHOLE}, ()),
+        answers={200: table(stopped=rows({"type": "integer"})), **fails(400, 403)},
+    ),
+    Route(
+        "POST",
+        "/api/place",
+        answered_by("place"),
+        "What it would mean to put a task elsewhere, as a dragged bar does.",
+        asks="place",
+        answers={
+            200: table(
+                allowed={"type": "boolean"},
+                reasons=rows(string()),
+                makespan={"type": "number"},
+                stress=or_null({"type": "number"}),
+                faults=rows(string()),
+                assignments=ASSIGNMENTS,
+                ways=rows(
+                    table(
+                        operators=rows(string()),
+                        time={"type": "number"},
+                        stress={"type": "number"},
+                    )
+                ),
+            ),
+            **fails(400, 403, 422),
+        },
+    ),
+    Route(
+        "POST",
+        "/api/replan",
+        answered_by("replan"),
+        "The rest planned anew with the fewest changes.",
+        asks="replan",
+        answers={
+            200: table(point=POINT, sentence=string(), complete={"type": "boolean"}, document=PLAN),
+            **fails(400, 403, 422, 503),
+        },
+    ),
+    Route(
+        "POST",
+        "/api/explain",
+        answered_by("explain"),
+        "Why a schedule is so, and what every other choice would cost.",
+        asks="explain",
+        answers={
+            200: table(sentences=rows(string()), document={"type": "object"}),
+            **fails(400, 403, 422, 503),
+        },
+    ),
+    Route(
+        "POST",
+        "/api/report",
+        report,
+        "A plan as a file: report, table, picture, workbook.",
+        asks="report",
+        answers={200: "application/octet-stream", **fails(400, 403, 422, 503)},
+    ),
+    Route(
+        "POST",
+        "/api/import",
+        import_,
+        "The cell in a workbook, whose bytes are the body; nothing is written.",
+        asks="application/octet-stream",
+        query={
+            "name": (string(), "Of the workbook; its ending says what it is."),
+            "sheet": (string(), "The sheet with the tasks."),
+            "map": (string(), "HEADER=MEANING of a column; may be repeated."),
+            "human": (string(), "An operator that is a human; may be repeated."),
+            "robot": (string(), "An operator that is a robot; may be repeated."),
+            "machine": (string(), "An operator that is a machine; may be repeated."),
+            "lang": (LANGUAGE.schema, "Of the notes."),
+        },
+        answers={
+            200: table(
+                cell={"type": "object"},
+                sheet=string(),
+                columns=rows(table(place=string(), header=string(), meaning=or_null(string()))),
+                rows=rows(rows(string())),
+                notes=rows(table(kind=string(), place=string(), message=string())),
+            ),
+            **fails(400, 403, 413, 422, 503),
+        },
+    ),
+    Route(
+        "GET",
+        "/api/openapi.json",
+        openapi,
+        "This document.",
+        answers={200: {"type": "object"}},
+    ),
 )
 """A new address is a line here."""
-
-__all__ = ["ROUTES", "BusyError", "Route"]

@@ -6,7 +6,6 @@ with what was found, as Ctrl-C does on the command line. The end of stdin ends t
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
 import signal
@@ -64,7 +63,7 @@ class Worker:
             self._tell({"id": number, "event": "progress", "data": data})
 
         try:
-            return "done", JOBS[job["do"]](job, tell)
+            return "done", JOBS[job["do"]].do(job, tell)
         except TandemError as error:
             return "failed", failure(error, job.get("cell"))
         except (MemoryError, RecursionError) as error:
@@ -103,7 +102,13 @@ def _interrupt_the_search() -> None:
 
 def _ready() -> None:
     """Loads what planning needs before anybody waits for it."""
-    importlib.import_module("tandem.plan.methods")
+    from tandem.cell.model import Cell
+    from tandem.plan.methods import plan
+
+    # what is compiled or loaded by a first search is there then
+    two = {"1": {"time": {"a": 1, "b": 2}, "stress": 1}, "2": {"time": {"a": 2, "b": 1}}}
+    who = {"a": {"kind": "human"}, "b": {"kind": "robot"}}
+    plan(Cell.model_validate({"operators": who, "tasks": two}), time_limit=5, workers=1)
 
 
 def main() -> None:
