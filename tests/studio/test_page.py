@@ -22,7 +22,7 @@ import pytest
 STATIC = Path(__file__).parents[2] / "src/tandem/studio/static"
 VENDOR = STATIC / "vendor"
 THESIS = Path(__file__).parents[2] / "examples/thesis.yaml"
-PATIENCE_MS = 8_000
+PATIENCE_MS = 30_000
 """A busy machine is no fault of the page."""
 
 browsing = pytest.mark.browser
@@ -401,9 +401,7 @@ def test_a_dragged_bar_says_what_the_checker_says_and_the_rest_is_solved_again(
 
 
 @browsing
-def test_a_lane_that_cannot_take_a_bar_says_why(
-    studio: Studio, expect: Callable[..., Any]
-) -> None:
+def test_a_lane_that_cannot_take_a_bar_says_why(studio: Studio, expect: Callable[..., Any]) -> None:
     page = studio.open()
     planned(page, expect)
     before = bars(page)
@@ -496,3 +494,36 @@ def test_the_report_is_downloaded_and_opens_with_the_network_off(
     other.goto(report.as_uri())
     expect(other.get_by_role("heading", level=1)).to_contain_text("Exemplary assembly")
     studio.context.set_offline(False)
+
+
+@browsing
+def test_a_workbook_is_looked_at_mapped_by_hand_and_taken(
+    studio: Studio, expect: Callable[..., Any], tmp_path: Path
+) -> None:
+    workbook = tmp_path / "line 3.csv"
+    workbook.write_text(
+        "Step;Robot [s];Human [s];EAWS;needs\npress;9;10;10;\nhold;;8;11;press\n", "utf-8"
+    )
+    page = studio.open()
+    before = page.locator("tbody").inner_text()
+    page.get_by_label("Import workbook").set_input_files(workbook)
+    expect(page.get_by_text("column E 'needs' was not read").first).to_be_visible()
+    page.get_by_label("Meaning of column needs").fill("after")
+    page.get_by_label("Meaning of column needs").press("Enter")
+    expect(page.get_by_text("column E 'needs' was not read")).to_have_count(0)
+    button(page, "Take these tasks: 2").click()
+    expect(cell_at(page, 1, "After")).to_have_text("press")
+    assert len(planned(page, expect)) >= 1
+    button(page, "Undo").click()
+    assert page.locator("tbody").inner_text() == before
+
+
+@browsing
+def test_a_limit_that_cannot_be_kept_is_named(studio: Studio, expect: Callable[..., Any]) -> None:
+    page = studio.open()
+    page.get_by_label("Stress at most").fill("1")
+    button(page, "Plan").click()
+    expect(page.get_by_text("Without the limit on stress (1) it works")).to_be_visible()
+    page.get_by_label("Stress at most").fill("5")
+    assert planned(page, expect) == ["24 s, stress 3", "34 s, stress 2"]
+    expect(page.get_by_text("Without the limit on stress (1) it works")).to_have_count(0)

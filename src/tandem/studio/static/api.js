@@ -78,9 +78,13 @@ export const replan = (body) => ask("POST", "/api/replan", body);
 export const explain = (body) => ask("POST", "/api/explain", body);
 export const stopPlan = () => ask("POST", "/api/plan/stop", {});
 
-/** @param {ArrayBuffer} workbook */
-export async function importWorkbook(workbook) {
-  const answer = await reach("POST", "/api/import", workbook, "application/octet-stream");
+/**
+ * What a workbook says.
+ * @param {string} name @param {string[]} meanings COLUMN=MEANING @param {string} lang @param {ArrayBuffer} workbook
+ */
+export async function importWorkbook(name, meanings, lang, workbook) {
+  const query = new URLSearchParams([["name", name], ["lang", lang], ...meanings.map((one) => ["map", one])]);
+  const answer = await reach("POST", `/api/import?${query}`, workbook, "application/octet-stream");
   return { status: answer.status, document: readAnswer(await answer.text()) };
 }
 
@@ -97,8 +101,8 @@ export async function report(body) {
  * @param {Record<string, any>} body `cell` and the options of `tandem plan`.
  * @param {{progress: (data: any) => void, done: (data: any) => void, failed: (data: any) => void, lost: () => void}} hear
  */
-export async function planLive({ cell, options }, hear) {
-  const { status, document } = await ask("POST", "/api/draft", { cell });
+export async function planLive({ cell, options, file, version }, hear) {
+  const { status, document } = await ask("POST", "/api/draft", { cell, file, version });
   if (status !== 200) return hear.failed({ message: document.error, errors: document.errors });
   const query = new URLSearchParams({ ...options, draft: document.draft, token });
   const source = new EventSource(`/api/plan/stream?${query}`);

@@ -6,12 +6,14 @@ import * as api from "./api.js";
 import { Explain } from "./explain.js";
 import { Front } from "./front.js";
 import { Gantt } from "./gantt.js";
+import { cellOf } from "./columns.js";
 import { Graph } from "./graph.js";
+import { Import, Preview } from "./importer.js";
 import { Player } from "./player.js";
 import {
-  canRedo, canUndo, cell, conflict, dirty, faults, file, files, hand, infeasible, listFiles, makePlan, open, options, plan, proposal, redo, running, save, saveAnyway, say, selected, status, stopPlan, takeTheirs, undo, watchForFaults, work,
+  canRedo, canUndo, cell, conflict, dirty, faults, file, files, hand, infeasible, listFiles, makePlan, open, options, plan, proposal, redo, running, save, saveAnyway, say, selected, setOption, status, stopPlan, takeTheirs, undo, watchForFaults, work,
 } from "./state.js";
-import { Table } from "./table.js";
+import { columns, goTo, Table } from "./table.js";
 import { LANGUAGES, language, loadWords, speak, t } from "./words.js";
 import { Menu, effect, html, observed, render, signal } from "./view.js";
 
@@ -29,8 +31,10 @@ const App = observed(() => {
     <${Status} />
     <${Newer} />
     <main>
+      <${Preview} />
       <section class="side" aria-label=${t("front.title")}>
         <h2>${t("front.title")}</h2>
+        <${Limits} />
         <${Front} />
         <${Why} />
       </section>
@@ -55,12 +59,10 @@ const Bar = observed(() => html`
       ${running.value
         ? html`<button class="first" onClick=${stopPlan}>${t("button.stop")}</button>`
         : html`<button class="first" onClick=${makePlan} title=${t("keys.plan")} disabled=${faults.value.length > 0}>${t("button.plan")}</button>`}
-      <label class="inline">${t("options.limit")}
-        <input type="number" min="1" max="3600" value=${options.value.time_limit} onChange=${setLimit} />
-      </label>
       <button onClick=${undo} disabled=${!canUndo.value} title=${t("keys.undo")}>${t("button.undo")}</button>
       <button onClick=${redo} disabled=${!canRedo.value} title=${t("keys.redo")}>${t("button.redo")}</button>
       <button onClick=${save} disabled=${!dirty.value} title=${t("keys.save")}>${t("button.save")}</button>
+      <${Import} />
       <${Share} />
       ${LANGUAGES.filter((name) => name !== language.value).map(
         (name) => html`<button key=${name} class="quiet" lang=${name} onClick=${() => speak(name)}>${t(`language.${name}`)}</button>`,
@@ -81,13 +83,6 @@ const Others = observed(() => {
 function openOther(name) {
   if (dirty.value) say("status.unsaved", {}, "bad");
   else open(name);
-}
-
-/** @param {any} event */
-function setLimit(event) {
-  const seconds = Math.min(3600, Math.max(1, Number(event.currentTarget.value) || 10));
-  options.value = { ...options.value, time_limit: seconds };
-  event.currentTarget.value = String(seconds);
 }
 
 /** Whether the page is dark now: by choice, or as the system is. */
@@ -136,11 +131,35 @@ async function download() {
   say("status.downloaded", { name });
 }
 
-/** Why there is no plan. */
+/** What the planner is held to: its time, and limits on what it may find. */
+const Limits = observed(() => {
+  /** @param {string} name @param {number} least @param {number} most */
+  const field = (name, least, most) => html`<label>${t(`options.${name}`)}
+    <input type="number" min=${least} max=${most} step="any" value=${options.value[name] ?? ""}
+      onChange=${(/** @type {any} */ event) => {
+        const given = event.currentTarget.value;
+        const value = given === "" ? (name === "time_limit" ? 10 : undefined) : Math.min(most, Math.max(least, Number(given)));
+        setOption(name, value);
+        event.currentTarget.value = value === undefined ? "" : String(value);
+      }} /></label>`;
+  return html`<div class="limits">${field("max_makespan", 0, 1e9)}${field("max_stress", 0, 1e9)}${field("time_limit", 1, 3600)}</div>`;
+});
+
+/** Why there is no plan: what cannot be kept together, with a way to where it stands. */
 const Why = observed(() => {
   const why = infeasible.value;
   if (!why) return null;
-  return html`<div class="faults"><b>${t("infeasible.title")}</b><pre>${JSON.stringify(why, null, 1)}</pre></div>`;
+  const rows = new Map(cell.value.tasks.map((task, row) => [task.name, row]));
+  /** @param {{where?: string[]}} one */
+  const at = (one) => cellOf((one.where ?? []).map(String), columns.value, rows);
+  return html`<div class="faults">
+    <b>${t("infeasible.title")}</b>
+    <ul>${(why.reasons ?? [why.message]).map((/** @type {string} */ one) => html`<li>${one}</li>`)}</ul>
+    ${(why.together ?? []).map((/** @type {any} */ one) => {
+      const there = at(one);
+      return there ? html`<button onClick=${() => goTo(there.row, there.column)}>${one.words}</button>` : null;
+    })}
+  </div>`;
 });
 
 /** @param {KeyboardEvent} event */

@@ -44,6 +44,6 @@ export const Explain = observed(() => {
     </div>
     ${told?.sentences === null ? html`<p class="hint">${t("explain.waiting")}</p>` : null}
     ${told?.error ? html`<p class="error">${told.error}</p>` : null}
-    ${told?.sentences?.length ? html`<ul class="sentences" aria-live="polite">${told.sentences.map((one) => html`<li>${one}</li>`)}</ul>` : null}
+    ${told?.sentences?.length ? html`<ul class="sentences" aria-live="polite">${told.sentences.map((one) => html`<li>${one.trim()}</li>`)}</ul>` : null}
   </div>`;
 });

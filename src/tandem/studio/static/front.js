@@ -57,8 +57,10 @@ export const Front = observed(() => {
         `,
       )}
     </div>
-    <${Chart} points=${points} chosen=${hand.value || proposal.value ? -1 : selected.value} />
-    <${Key} />
+    <div class="drawn-front">
+      <${Chart} points=${points} chosen=${hand.value || proposal.value ? -1 : selected.value} />
+      <${Key} />
+    </div>
   `;
 });
 

@@ -31,7 +31,7 @@ const zoom = signal(1);
 /** The moment that the player shows; null when it does not play. */
 export const moment = signal(/** @type {number | null} */ (null));
 
-const end = () => Math.max(1, point.value?.makespan ?? 0, ...(point.value?.assignments ?? []).map((a) => a.end), ...ghosts.value.map((a) => a.end));
+const end = () => Math.max(1, carried.value?.live ? carried.value.start + carried.value.length : 0, point.value?.makespan ?? 0, ...(point.value?.assignments ?? []).map((a) => a.end), ...ghosts.value.map((a) => a.end));
 const scale = () => Math.max(LEAST_SCALE, ((width.value - 24) / end()) * zoom.value);
 const lanes = () => cell.value.operators.map((operator) => operator.name);
 

@@ -188,9 +188,9 @@ function blocked() {
   return true;
 }
 
-/** @param {any} document */
+/** @param {any} document @returns {string} the first sentence of what it says; the rest is shown where it belongs. */
 function reasonOf(document) {
-  return document.errors?.[0]?.message ?? document.message ?? document.error ?? "?";
+  return (document.errors?.[0]?.message ?? document.message ?? document.error ?? "?").split("\n")[0];
 }
 
 /** @param {any} document */
@@ -204,7 +204,13 @@ function refused(document) {
 /** The last plan: its document, the cell it was made for, and whether it is still being made. */
 export const plan = signal(/** @type {{document: any, of: string, running: boolean, open: number | null} | null} */ (null));
 export const selected = signal(0);
-export const options = signal({ time_limit: 10 });
+/** The options of `tandem plan`; a limit that is not set is not there. */
+export const options = signal(/** @type {Record<string, number>} */ ({ time_limit: 10 }));
+/** @param {string} name @param {number | undefined} value */
+export function setOption(name, value) {
+  const { [name]: _, ...others } = options.value;
+  options.value = value === undefined ? others : { ...others, [name]: value };
+}
 export const running = computed(() => plan.value?.running ?? false);
 export const front = computed(() => /** @type {Point[]} */ (plan.value?.document.front ?? []));
 export const stale = computed(() => plan.value !== null && work.value !== null && plan.value.of !== textOf(cell.value));
@@ -221,7 +227,7 @@ export async function makePlan() {
   selected.value = 0;
   say("status.planning");
   try {
-    await api.planLive({ cell: asked, options: options.value }, { progress, done, failed, lost });
+    await api.planLive({ cell: asked, options: options.value, file: file.value.name, version: file.value.version }, { progress, done, failed, lost });
   } catch (error) {
     lost();
     if (!(error instanceof api.Unreachable)) throw error;
@@ -250,7 +256,7 @@ function done(document) {
 /** @param {any} data */
 function failed(data) {
   batch(() => {
-    infeasible.value = data.infeasible ?? null;
+    infeasible.value = data.exit === 4 ? (data.infeasible ?? data) : null;
     plan.value = front.value.length && plan.value ? { ...plan.value, running: false } : null;
   });
   refused(data);
