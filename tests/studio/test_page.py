@@ -102,7 +102,7 @@ def planned(page: Any, expect: Callable[..., Any]) -> list[str]:
     """Plans, and returns the names of the front's points once all is proven."""
     button(page, "Plan").click()
     expect(page.get_by_role("status")).to_contain_text("all proven")
-    return [one.get_attribute("aria-label") for one in page.get_by_role("option").all()]
+    return page.locator("[role=option] .numbers").all_inner_texts()
 
 
 def bars(page: Any) -> list[str]:
@@ -527,3 +527,46 @@ def test_a_limit_that_cannot_be_kept_is_named(studio: Studio, expect: Callable[.
     page.get_by_label("Stress at most").fill("5")
     assert planned(page, expect) == ["24 s, stress 3", "34 s, stress 2"]
     expect(page.get_by_text("Without the limit on stress (1) it works")).to_have_count(0)
+
+
+@browsing
+def test_what_was_not_saved_is_offered_at_the_next_start(
+    browser: Any, tmp_path: Path, expect: Callable[..., Any]
+) -> None:
+    path = tmp_path / "cell.yaml"
+    shutil.copy(THESIS, path)
+    first = Studio(browser, path)
+    page = first.open()
+    with page.expect_response(lambda answer: answer.url.endswith("/api/draft")):
+        enter(page, 2, "human [s]", "18")
+    first.close()
+    assert path.read_bytes() == THESIS.read_bytes()
+    second = Studio(browser, path)
+    page = second.open()
+    button(page, "Take it up").click()
+    expect(cell_at(page, 2, "human [s]")).to_have_text("18")
+    page.keyboard.press("Control+s")
+    expect(page.get_by_role("status")).to_contain_text("is saved")
+    second.close()
+    assert "human: 18" in path.read_text()
+
+
+@browsing
+def test_the_order_of_tasks_and_operators_is_kept(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "cell.json"
+    cell = {
+        "format": 1,
+        "operators": {"2": {"kind": "human"}, "1": {"kind": "robot"}},
+        "tasks": {"10": {"time": {"2": 4}}, "9": {"time": {"1": 3}, "after": ["10"]}},
+    }
+    path.write_text(json.dumps(cell))
+    studio = Studio(browser, path)
+    page = studio.open()
+    enter(page, 0, "2 [s]", "5")
+    with page.expect_response(lambda answer: answer.request.method == "PUT"):
+        button(page, "Save").click()
+    studio.close()
+    saved = json.loads(path.read_text())
+    assert list(saved["tasks"]) == ["10", "9"]
+    assert list(saved["operators"]) == ["2", "1"]
+    assert saved["tasks"]["10"]["time"] == {"2": 5}

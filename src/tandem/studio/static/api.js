@@ -68,6 +68,8 @@ export const listFiles = () => ask("GET", "/api/files");
 export const readCell = (name) => ask("GET", `/api/cell${name ? `?${new URLSearchParams({ file: name })}` : ""}`);
 /** @param {string} name @param {Record<string, any>} body */
 export const writeCell = (name, body) => ask("PUT", `/api/cell?${new URLSearchParams({ file: name })}`, body);
+/** Holds what is not saved, so that the server keeps it when it is stopped; without a cell, forgets it. @param {Record<string, any>} body */
+export const hold = (body) => ask("POST", "/api/draft", body);
 /** @param {Record<string, any>} body */
 export const check = (body) => ask("POST", "/api/check", body);
 /** @param {Record<string, any>} body */

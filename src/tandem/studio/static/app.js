@@ -11,7 +11,7 @@ import { Graph } from "./graph.js";
 import { Import, Preview } from "./importer.js";
 import { Player } from "./player.js";
 import {
-  canRedo, canUndo, cell, conflict, dirty, faults, file, files, hand, infeasible, listFiles, makePlan, open, options, plan, proposal, redo, running, save, saveAnyway, say, selected, setOption, status, stopPlan, takeTheirs, undo, watchForFaults, work,
+  canRedo, canUndo, cell, conflict, dirty, faults, file, files, forgetUnsaved, hand, infeasible, listFiles, makePlan, open, options, plan, proposal, redo, running, save, saveAnyway, say, selected, setOption, status, stopPlan, takeTheirs, takeUnsaved, undo, unsaved, watchForFaults, work,
 } from "./state.js";
 import { columns, goTo, Table } from "./table.js";
 import { LANGUAGES, language, loadWords, speak, t } from "./words.js";
@@ -30,6 +30,7 @@ const App = observed(() => {
     <${Bar} />
     <${Status} />
     <${Newer} />
+    <${Unsaved} />
     <main>
       <${Preview} />
       <section class="side" aria-label=${t("front.title")}>
@@ -103,6 +104,13 @@ const Newer = observed(() =>
   conflict.value
     ? html`<div class="newer"><span>${t("newer.sentence", { name: file.value.name })}</span>
         <button onClick=${takeTheirs}>${t("newer.take")}</button><button onClick=${saveAnyway}>${t("newer.over")}</button></div>`
+    : null,
+);
+
+const Unsaved = observed(() =>
+  unsaved.value
+    ? html`<div class="newer"><span>${t("unsaved.sentence", { name: file.value.name })}</span>
+        <button onClick=${takeUnsaved}>${t("unsaved.take")}</button><button onClick=${forgetUnsaved}>${t("unsaved.forget")}</button></div>`
     : null,
 );
 

@@ -41,7 +41,6 @@ export const Front = observed(() => {
             key=${index}
             role="option"
             class="point"
-            aria-label=${pointName(point)}
             aria-selected=${index === selected.value}
             aria-description=${standingWords(point)}
             tabindex=${index === selected.value ? 0 : -1}
@@ -50,7 +49,7 @@ export const Front = observed(() => {
           >
             <svg class="mark" viewBox="-8 -8 16 16" aria-hidden="true"><${Mark} kind=${standing(point)} /></svg>
             <span class="numbers">${pointName(point)}</span>
-            <span class="standing">
+            <span class="standing" aria-hidden="true">
               ${standingWords(point)}${index === recommended ? html` · <b>${t("front.recommended")}</b>` : null}
             </span>
           </div>

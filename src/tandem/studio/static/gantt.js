@@ -10,7 +10,7 @@ import {
   barName, cell, discardProposal, drop, ghosts, keepProposal, locks, picked, point, pointName, proposal, resolveRest, say, stale, hand, toggleLock, verdictOn,
 } from "./state.js";
 import { shown, t } from "./words.js";
-import { batch, html, observed, signal, useEffect, useLayoutEffect, useRef } from "./view.js";
+import { batch, computed, html, observed, signal, useLayoutEffect, useRef } from "./view.js";
 
 /** @typedef {import("./state.js").Assignment} Assignment */
 /** @typedef {{task: string, from: Assignment, operators: string[], start: number, length: number, x0: number, y0: number, live: boolean, keyed: boolean, verdict: any}} Carried */
@@ -31,8 +31,12 @@ const zoom = signal(1);
 /** The moment that the player shows; null when it does not play. */
 export const moment = signal(/** @type {number | null} */ (null));
 
-const end = () => Math.max(1, carried.value?.live ? carried.value.start + carried.value.length : 0, point.value?.makespan ?? 0, ...(point.value?.assignments ?? []).map((a) => a.end), ...ghosts.value.map((a) => a.end));
-const scale = () => Math.max(LEAST_SCALE, ((width.value - 24) / end()) * zoom.value);
+/** When the schedule on show and its ghosts have ended, seconds. */
+const end = computed(() => [...(point.value?.assignments ?? []), ...ghosts.value].reduce((last, one) => Math.max(last, one.end), point.value?.makespan || 1));
+/** The same with the bar that is carried, which makes the lanes longer but not finer. */
+const reach = computed(() => (carried.value?.live ? Math.max(end.value, carried.value.start + carried.value.length) : end.value));
+/** Pixels per second. */
+const scale = computed(() => Math.max(LEAST_SCALE, ((width.value - 24) / end.value) * zoom.value));
 const lanes = () => cell.value.operators.map((operator) => operator.name);
 
 export const Gantt = observed(() => {
@@ -53,7 +57,7 @@ export const Gantt = observed(() => {
     <div class="gantt">
       <div class="names">${cell.value.operators.map((operator) => html`<${LaneName} key=${operator.name} name=${operator.name} />`)}</div>
       <div class="window" ref=${frame}>
-        <div class="lanes" style=${{ width: `${end() * scale() + 24}px`, height: `${HEAD + LANE * lanes().length}px` }}>
+        <div class="lanes" style=${{ width: `${reach.value * scale.value + 24}px`, height: `${HEAD + LANE * lanes().length}px` }}>
           <${Axis} />
           ${lanes().map((name, row) => html`<${Lane} key=${name} name=${name} row=${row} />`)}
           <${Ghosts} />
@@ -101,9 +105,9 @@ const LaneName = observed((/** @type {{name: string}} */ { name }) => {
 });
 
 const Axis = observed(() => {
-  const step = scale();
+  const step = scale.value;
   return html`<div class="axis" aria-hidden="true">
-    ${ticks(0, end(), (end() * step) / 70).map(
+    ${ticks(0, end.value, (end.value * step) / 70).map(
       (value) => html`<span key=${value} style=${{ left: `${value * step}px` }}>${shown(value)}</span>`,
     )}
     <span class="makespan" style=${{ left: `${(point.value?.makespan ?? 0) * step}px` }}></span>
@@ -116,7 +120,7 @@ const Lane = observed((/** @type {{name: string, row: number}} */ { name, row })
   const breaks = /** @type {[number, number][]} */ (Array.isArray(operator?.breaks) ? operator.breaks : []);
   return html`<div class="lane ${why ? "barred" : ""}" data-lane=${name} style=${{ top: `${HEAD + row * LANE}px`, height: `${LANE}px` }}>
     ${breaks.map(
-      ([from, to]) => html`<span class="break" style=${{ left: `${from * scale()}px`, width: `${(to - from) * scale()}px` }} title=${t("gantt.break")}></span>`,
+      ([from, to]) => html`<span class="break" style=${{ left: `${from * scale.value}px`, width: `${(to - from) * scale.value}px` }} title=${t("gantt.break")}></span>`,
     )}
     ${why ? html`<span class="reason">${why}</span>` : null}
   </div>`;
@@ -137,7 +141,7 @@ const Ghosts = observed(() => {
 
 /** @param {number} start @param {number} length @param {number} row */
 function box(start, length, row) {
-  const step = scale();
+  const step = scale.value;
   return { left: `${start * step}px`, width: `${Math.max(length * step, 4)}px`, top: `${HEAD + row * LANE + 7}px`, height: `${LANE - 14}px` };
 }
 
@@ -203,7 +207,7 @@ const Faults = observed(() => {
 });
 
 const Now = observed(() =>
-  moment.value === null ? null : html`<span class="now" aria-hidden="true" style=${{ left: `${moment.value * scale()}px` }}></span>`,
+  moment.value === null ? null : html`<span class="now" aria-hidden="true" style=${{ left: `${moment.value * scale.value}px` }}></span>`,
 );
 
 // ---- carrying a bar
@@ -302,7 +306,7 @@ function take(event, one, lane) {
       askLanes(one);
     }
     const operators = one.operators.length > 1 ? one.operators : [laneAt(lane, dy)];
-    carryTo(operators, snapped(one.start + dx / scale(), lengthOn(one.task, operators, now.length), marks, moved.altKey));
+    carryTo(operators, snapped(one.start + dx / scale.value, lengthOn(one.task, operators, now.length), marks, moved.altKey));
   };
   /** @param {boolean} keep */
   const finish = async (keep) => {
@@ -342,7 +346,7 @@ function snapped(start, length, marks, free) {
   const step = grid();
   const near = marks
     .flatMap((mark) => [mark, mark - length])
-    .filter((to) => to >= 0 && Math.abs(to - start) * scale() <= SNAP_PX)
+    .filter((to) => to >= 0 && Math.abs(to - start) * scale.value <= SNAP_PX)
     .sort((one, other) => Math.abs(one - start) - Math.abs(other - start))[0];
   return free || near === undefined ? Math.round(start / step) * step : near;
 }

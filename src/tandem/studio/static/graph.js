@@ -141,7 +141,7 @@ export const Graph = observed(() => {
           const thin = implied.has(`${from}\n${to}`);
           return html`<${Arrow} key=${`${from}\n${to}`} from=${from} to=${to} way=${thin ? curve(graph.node(from), graph.node(to)) : path(graph.edge(from, to).points)} thin=${thin} />`;
         })}
-        ${graph.nodes().map((name) => {
+        ${graph.nodes().map((/** @type {string} */ name) => {
           const { x, y, width } = graph.node(name);
           return html`<${Node} key=${name} name=${name} x=${x} y=${y} width=${width} svg=${svg} />`;
         })}

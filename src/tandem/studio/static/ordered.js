@@ -43,9 +43,13 @@ const listed = (named) =>
 export function readAnswer(text) {
   const plain = JSON.parse(text);
   if (plain === null || typeof plain !== "object" || !plain.cell?.tasks) return plain;
-  const { operators, tasks } = marked(text).cell;
-  return { ...plain, cell: { ...plain.cell, operators: listed(operators), tasks: listed(tasks) } };
+  const inOrder = marked(text);
+  const draft = plain.draft?.cell?.tasks ? { draft: { ...plain.draft, cell: edited(plain.draft.cell, inOrder.draft.cell) } } : {};
+  return { ...plain, cell: edited(plain.cell, inOrder.cell), ...draft };
 }
+
+/** @param {any} document @param {any} inOrder the same with its keys marked. @returns {Cell} */
+const edited = (document, inOrder) => ({ ...document, operators: listed(inOrder.operators), tasks: listed(inOrder.tasks) });
 
 /** @param {{name: string}[]} list */
 const named = (list) =>

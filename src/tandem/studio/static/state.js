@@ -18,8 +18,7 @@ import { batch, computed, effect, signal, untracked } from "./view.js";
 const MOST_STEPS = 500;
 const CHECK_AFTER_MS = 120;
 
-/** @type {import("./view.js").signal<Work | null>} */
-export const work = signal(null);
+export const work = signal(/** @type {Work | null} */ (null));
 const past = signal(/** @type {Work[]} */ ([]));
 const future = signal(/** @type {Work[]} */ ([]));
 export const canUndo = computed(() => past.value.length > 0);
@@ -98,8 +97,23 @@ export async function open(name) {
     work.value = { cell: document.cell, hand: null, locks: [] };
     past.value = future.value = [];
     plan.value = proposal.value = infeasible.value = picked.value = null;
+    unsaved.value = document.draft?.cell ?? null;
   });
   say("status.ready", { name: document.name });
+}
+
+/** What was not saved when the studio was stopped last, until the user has chosen. */
+export const unsaved = signal(/** @type {Cell | null} */ (null));
+
+export function takeUnsaved() {
+  if (unsaved.value) change({ cell: unsaved.value, hand: null, locks: [] });
+  unsaved.value = null;
+  say("status.taken_up");
+}
+
+export async function forgetUnsaved() {
+  unsaved.value = null;
+  await api.hold({ file: file.value.name });
 }
 
 /** Writes the file, unless it has become newer. */
@@ -174,6 +188,7 @@ export function watchForFaults() {
       try {
         const { status: code, document } = await api.check({ cell: asked });
         if (turn === latest) told.value = code === 200 || code === 422 ? (document.errors ?? []) : [];
+        if (dirty.value) await api.hold({ cell: cell.value, file: file.value.name, version: file.value.version });
       } catch (error) {
         if (!(error instanceof api.Unreachable)) throw error;
       }
@@ -243,10 +258,11 @@ function progress(data) {
 
 /** @param {any} document */
 function done(document) {
-  if (!plan.value) return;
+  const made = plan.value;
+  if (!made) return;
   const recommended = (document.recommended?.point ?? 1) - 1;
   batch(() => {
-    plan.value = { ...plan.value, document, running: false, open: null };
+    plan.value = { ...made, document, running: false, open: null };
     selected.value = Math.max(0, Math.min(recommended, document.front.length - 1));
   });
   const n = document.front.length;
