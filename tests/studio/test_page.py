@@ -401,9 +401,7 @@ def test_a_dragged_bar_says_what_the_checker_says_and_the_rest_is_solved_again(
 
 
 @browsing
-def test_a_lane_that_cannot_take_a_bar_says_why(
-    studio: Studio, expect: Callable[..., Any]
-) -> None:
+def test_a_lane_that_cannot_take_a_bar_says_why(studio: Studio, expect: Callable[..., Any]) -> None:
     page = studio.open()
     planned(page, expect)
     before = bars(page)
