@@ -459,4 +459,4 @@ ROUTES: tuple[Route, ...] = (
         answers={200: {"type": "object"}},
     ),
 )
-"""A new address is a line here."""
+"""Every address, and what it answers."""
