@@ -17,11 +17,13 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
 import tandem
+from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
 from tandem.studio.asked import LANGUAGE, TABLE, TEXT, WHOLE, Json, Kind, cell_in, read
-from tandem.studio.failures import errors_of
+from tandem.studio.failures import errors_of, failure
 from tandem.studio.folder import NewerError
 from tandem.studio.jobs import JOBS, OF_A_CELL, OPTIONS
+from tandem.studio.pool import Failed
 from tandem.studio.schemas import (
     ANYTHING,
     ASSIGNMENTS,
@@ -76,6 +78,14 @@ async def body_of(request: Request) -> Any:
         raise UsageError(f"the request is no well-formed JSON: {error}.") from error
 
 
+def sound(document: Any) -> Cell:
+    """The cell. Raises Failed with every fault and the value at its place."""
+    try:
+        return cell_in(document)
+    except CellError as error:
+        raise Failed(failure(error, document)) from None
+
+
 def _no_number(word: str) -> float:
     raise ValueError(f"{word} is no number of JSON")
 
@@ -108,7 +118,7 @@ async def get_cell(request: Request, session: Session) -> Response:
 async def put_cell(request: Request, session: Session) -> Response:
     given = read(await body_of(request), {"cell": TABLE, "version": TEXT}, needed=("cell",))
     name = session.folder.chosen(request.query_params.get("file"))
-    cell = await anyio.to_thread.run_sync(cell_in, given["cell"])
+    cell = await anyio.to_thread.run_sync(sound, given["cell"])
     save = partial(session.folder.save, name, cell, given.get("version"))
     try:
         version = await anyio.to_thread.run_sync(save)
@@ -178,6 +188,7 @@ def answered_by(name: str) -> Handler:
         given = await asked_job(name, request, session)
         if JOBS[name].quick:
             do = partial(JOBS[name].do, given, _untold)
+            await anyio.to_thread.run_sync(sound, given["cell"])
             return JSONResponse(await anyio.to_thread.run_sync(do))
         return JSONResponse(await session.pool.document(name, given))
 
@@ -448,4 +459,4 @@ ROUTES: tuple[Route, ...] = (
         answers={200: {"type": "object"}},
     ),
 )
-"""A new address is a line here."""
+"""Every address, and what it answers."""

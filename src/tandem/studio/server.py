@@ -41,6 +41,7 @@ def serve(folder: Folder, port: int | None, ready: Callable[[str], None]) -> lis
     config = uvicorn.Config(
         app,
         log_config=None,
+        log_level="critical",  # what is no HTTP is not worth a line
         access_log=False,
         server_header=False,
         lifespan="on",
