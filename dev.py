@@ -227,7 +227,7 @@ def run(arguments: Sequence[str]) -> int:
     """The main job: the proven front of the thesis cell, and beside it what is learned there by
     trial and error.
     """
-    install()
+    install(*(["studio"] if arguments[:1] == ["studio"] else []))
     if arguments:
         return subprocess.run([str(BIN / "tandem"), *arguments], env=environment()).returncode
     REPORT.parent.mkdir(exist_ok=True)
@@ -307,19 +307,19 @@ def look() -> list[str]:
 
 
 def lint(_: Sequence[str]) -> int:
-    install("dev", "learn")
+    install("dev", "learn", "studio")
     return 1 if look() else 0
 
 
 def fix(_: Sequence[str]) -> int:
-    install("dev", "learn")
+    install("dev", "learn", "studio")
     there = [name for name in FORMATTED if (ROOT / name).exists()]
     call(BIN / "ruff", "check", "--fix", "--quiet", *there)
     return call(BIN / "ruff", "format", *there)
 
 
 def test(arguments: Sequence[str]) -> int:
-    install("dev", "learn")
+    install("dev", "learn", "studio")
     side_by_side = ("-q", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder")
     if arguments and arguments[0].startswith("--changed"):
         return call(PYTHON, "-m", "pytest", *side_by_side, *arguments)

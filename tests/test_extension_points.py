@@ -47,6 +47,7 @@ HELP: dict[str, Callable[[Any], str]] = {
     "tandem.plan.methods.METHODS": lambda entry: entry.what,
     "tandem.plan.rules.SPECS": lambda rule: rule.what,
     "tandem.report.files.EXPORTERS": lambda exporter: exporter.what,
+    "tandem.studio.jobs.JOBS": lambda job: first_line(job.do),
     "tandem.world.behaviour.KINDS": lambda kind: kind.what,
 }
 """Every table -> what one of its lines says of itself."""

@@ -57,6 +57,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "sensitivity_command",
         "Say which task time moves the front most.",
     ),
+    "studio": (
+        "tandem.cli.studio",
+        "studio_command",
+        "Edit, plan and question a cell on a local web page.",
+    ),
     "train": (
         "tandem.cli.learn",
         "train_command",

@@ -19,7 +19,7 @@ from tandem.cell.names import Known
 from tandem.errors import CellError, Fault, NotReadWarning, NotWrittenWarning, UsageError
 from tandem.files.atomic import store
 from tandem.files.formats import hrcalbp
-from tandem.files.formats.table import FORMATS, WRITERS, detected
+from tandem.files.formats.table import FORMATS, WRITERS, Readable, detected
 from tandem.files.validate import cell_of
 
 LARGEST = 20_000_000
@@ -68,6 +68,22 @@ def load(path: str | os.PathLike[str] | Mapping[str, Any], format: str | None = 
 
 def loads(text: str, format: str | None = None, source: str = "text") -> Cell:
     """The cell that a text holds; `source` is what messages call it. Raises as `load` does."""
+    with _uncollected():
+        document = _read(text, format, source)
+        cell = cell_of(document.plain(), document.place, document.faults)
+    for note in document.notes:
+        warnings.warn(str(note), NotReadWarning, stacklevel=2)
+    return cell
+
+
+def document_in(data: bytes, source: str, format: str | None = None) -> Readable:
+    """What stands in a file of these bytes, with its places, whether or not it is a sound cell;
+    `source` is what messages call it. Raises as `load` does where it cannot be read at all.
+    """
+    return _read(_text(data, source, format), format, source)
+
+
+def _read(text: str, format: str | None, source: str) -> Readable:
     if format is not None and format not in FORMATS:
         raise UsageError(f"there is no format {format!r}. {Known(FORMATS).hint(format)}")
     # the byte-order mark of Windows, the end mark of DOS
@@ -77,12 +93,7 @@ def loads(text: str, format: str | None = None, source: str = "text") -> Cell:
         raise CellError(
             [Fault("the file is empty. A cell file has `operators` and `tasks`.", (), source)]
         )
-    with _uncollected():
-        document = FORMATS[format or detected(text, source)].read(text, source)
-        cell = cell_of(document.plain(), document.place, document.faults)
-    for note in document.notes:
-        warnings.warn(str(note), NotReadWarning, stacklevel=2)
-    return cell
+    return FORMATS[format or detected(text, source)].read(text, source)
 
 
 @contextmanager
