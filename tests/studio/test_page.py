@@ -246,7 +246,7 @@ def test_a_block_is_pasted_in_one_step_and_undone_in_one(
     studio: Studio, expect: Callable[..., Any]
 ) -> None:
     page = studio.open()
-    before = page.locator("tbody").inner_text()
+    before = page.locator("[role=grid] tbody").inner_text()
     cell_at(page, 5, "robot [s]").click()
     paste(page, "3,5\t4\t1\r\n6\t7\t2\t1; 2\r\n8\t\t\t3\r\n")
     expect(cell_at(page, 5, "robot [s]")).to_have_text("3.5")
@@ -254,7 +254,7 @@ def test_a_block_is_pasted_in_one_step_and_undone_in_one(
     expect(cell_at(page, 7, "robot [s]")).to_have_text("8")
     expect(page.get_by_role("status")).to_contain_text("3 rows, 4 columns")
     button(page, "Undo").click()
-    assert page.locator("tbody").inner_text() == before
+    assert page.locator("[role=grid] tbody").inner_text() == before
 
 
 @browsing
@@ -505,7 +505,7 @@ def test_a_workbook_is_looked_at_mapped_by_hand_and_taken(
         "Step;Robot [s];Human [s];EAWS;needs\npress;9;10;10;\nhold;;8;11;press\n", "utf-8"
     )
     page = studio.open()
-    before = page.locator("tbody").inner_text()
+    before = page.locator("[role=grid] tbody").inner_text()
     page.get_by_label("Import workbook").set_input_files(workbook)
     expect(page.get_by_text("column E 'needs' was not read").first).to_be_visible()
     page.get_by_label("Meaning of column needs").fill("after")
@@ -515,7 +515,7 @@ def test_a_workbook_is_looked_at_mapped_by_hand_and_taken(
     expect(cell_at(page, 1, "After")).to_have_text("press")
     assert len(planned(page, expect)) >= 1
     button(page, "Undo").click()
-    assert page.locator("tbody").inner_text() == before
+    assert page.locator("[role=grid] tbody").inner_text() == before
 
 
 @browsing
@@ -570,3 +570,22 @@ def test_the_order_of_tasks_and_operators_is_kept(browser: Any, tmp_path: Path) 
     assert list(saved["tasks"]) == ["10", "9"]
     assert list(saved["operators"]) == ["2", "1"]
     assert saved["tasks"]["10"]["time"] == {"2": 5}
+
+
+@browsing
+def test_an_operator_is_added_given_times_and_planned(
+    studio: Studio, expect: Callable[..., Any]
+) -> None:
+    page = studio.open()
+    page.get_by_label("New operator").fill("ben")
+    button(page, "Add operator").click()
+    enter(page, 0, "ben [s]", "3")
+    page.get_by_label("Breaks [s] of ben").fill("1 till 2")
+    page.get_by_label("Breaks [s] of ben").press("Enter")
+    expect(page.get_by_label("Breaks [s] of ben")).to_have_attribute("aria-invalid", "true")
+    page.get_by_label("Breaks [s] of ben").fill("40-50")
+    page.get_by_label("Breaks [s] of ben").press("Enter")
+    expect(button(page, "Plan")).to_be_enabled()
+    assert planned(page, expect)[0] != "23 s, stress 7"
+    button(page, "Remove ben").click()
+    assert planned(page, expect)[0] == "23 s, stress 7"

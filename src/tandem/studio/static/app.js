@@ -9,13 +9,14 @@ import { Gantt } from "./gantt.js";
 import { cellOf } from "./columns.js";
 import { Graph } from "./graph.js";
 import { Import, Preview } from "./importer.js";
+import { Operators } from "./operators.js";
 import { Player } from "./player.js";
 import {
   canRedo, canUndo, cell, conflict, dirty, faults, file, files, forgetUnsaved, hand, infeasible, listFiles, makePlan, open, options, plan, proposal, redo, running, save, saveAnyway, say, selected, setOption, status, stopPlan, takeTheirs, takeUnsaved, undo, unsaved, watchForFaults, work,
 } from "./state.js";
 import { columns, goTo, Table } from "./table.js";
 import { LANGUAGES, language, loadWords, speak, t } from "./words.js";
-import { Menu, effect, html, observed, render, signal } from "./view.js";
+import { Field, Menu, effect, html, observed, render, signal } from "./view.js";
 
 const KEPT_THEME = "tandem.theme";
 const systemIsDark = matchMedia("(prefers-color-scheme: dark)");
@@ -47,6 +48,7 @@ const App = observed(() => {
       <div class="below">
       <section class="tasks" aria-label=${t("table.title")}><${Table} /></section>
       <section class="precedence" aria-label=${t("graph.title")}><${Graph} /></section>
+      <section class="people" aria-label=${t("operators.title")}><${Operators} /></section>
       </div>
     </main>
   `;
@@ -143,13 +145,9 @@ async function download() {
 const Limits = observed(() => {
   /** @param {string} name @param {number} least @param {number} most */
   const field = (name, least, most) => html`<label>${t(`options.${name}`)}
-    <input type="number" min=${least} max=${most} step="any" value=${options.value[name] ?? ""}
-      onChange=${(/** @type {any} */ event) => {
-        const given = event.currentTarget.value;
-        const value = given === "" ? (name === "time_limit" ? 10 : undefined) : Math.min(most, Math.max(least, Number(given)));
-        setOption(name, value);
-        event.currentTarget.value = value === undefined ? "" : String(value);
-      }} /></label>`;
+    <${Field} type="number" min=${least} max=${most} step="any" value=${String(options.value[name] ?? "")}
+      commit=${(/** @type {string} */ given) =>
+        setOption(name, given === "" ? (name === "time_limit" ? 10 : undefined) : Math.min(most, Math.max(least, Number(given))))} /></label>`;
   return html`<div class="limits">${field("max_makespan", 0, 1e9)}${field("max_stress", 0, 1e9)}${field("time_limit", 1, 3600)}</div>`;
 });
 

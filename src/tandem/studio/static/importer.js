@@ -6,7 +6,7 @@
 import * as api from "./api.js";
 import { change, say } from "./state.js";
 import { language, t } from "./words.js";
-import { html, observed, signal } from "./view.js";
+import { Field, html, observed, signal } from "./view.js";
 
 const ACCEPTED = ".xlsx,.xlsm,.xls,.xlsb,.ods,.csv,.tsv";
 
@@ -95,11 +95,11 @@ const Columns = observed((/** @type {{answer: Answer}} */ { answer }) => html`
       <thead>
         <tr>${answer.columns.map((column) => html`<th scope="col">${column.header || lettersOf(column)}</th>`)}</tr>
         <tr>${answer.columns.map(
-          (column) => html`<td class="meaning"><input
+          (column) => html`<td class="meaning"><${Field}
             aria-label=${t("import.meaning", { column: column.header || lettersOf(column) })}
             placeholder=${column.meaning ?? t("import.unread")}
             value=${book.value?.meanings[lettersOf(column)] ?? ""}
-            onChange=${(/** @type {any} */ event) => mean(column, event.currentTarget.value)}
+            commit=${(/** @type {string} */ text) => mean(column, text)}
           /></td>`,
         )}</tr>
       </thead>

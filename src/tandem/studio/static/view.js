@@ -33,6 +33,25 @@ export function Menu({ label, items, choose }) {
 }
 
 /**
+ * A text field whose text is the reader's own until it is committed by Enter or by leaving, so that
+ * drawing anew never takes it away.
+ * @param {{value: string, commit: (text: string) => void, [attribute: string]: unknown}} props
+ */
+export function Field({ value, commit, ...attributes }) {
+  const [typed, setTyped] = useState(/** @type {string | null} */ (null));
+  return html`<input
+    ...${attributes}
+    value=${typed ?? value}
+    onInput=${(/** @type {any} */ event) => setTyped(event.currentTarget.value)}
+    onChange=${(/** @type {any} */ event) => {
+      commit(event.currentTarget.value);
+      setTyped(null);
+    }}
+    onBlur=${() => setTyped(null)}
+  />`;
+}
+
+/**
  * A component of `draw` that is drawn anew when its properties or the signals that it reads change,
  * and otherwise left alone.
  * @template P
