@@ -121,7 +121,8 @@ def _cell_lines(document: Document) -> list[str]:
         "",
         (
             "| cell | least nominal | least guaranteed | both at once? | optimiser's robot | best"
-            " dispatch rule, planned | best rule's robot | untrained networks | learned without an adversary | with an adversary |"
+            " dispatch rule, planned | best rule's robot | untrained networks |"
+            " learned without an adversary | with an adversary |"
         ),
         "|" + "---|" * 10,
     ]
@@ -142,7 +143,9 @@ def _cell_lines(document: Document) -> list[str]:
         rules = [planned, f"{helped:g} / {spoiled:g} ({name})"]
         lines.append(
             "| "
-            + " | ".join([row["cell"], f"{last[1]:g}", f"{guaranteed:g}", both, robot, *rules, *learned])
+            + " | ".join(
+                [row["cell"], f"{last[1]:g}", f"{guaranteed:g}", both, robot, *rules, *learned]
+            )
             + " |"
         )
     price = document["price"]

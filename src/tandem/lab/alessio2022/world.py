@@ -180,7 +180,9 @@ def step(
 
 
 def _can_move(grid: Grid, state: State) -> Array:
-    """`[2]` bool, whether an agent could go anywhere were it on turn: who is shut in does not idle."""
+    """`[2]` bool, whether an agent could go anywhere were it on turn; who is shut in does not
+    idle.
+    """
     there = grid.neighbour[state.position]
     return namespace(grid.kind).any((there >= 0) & ~_closed(grid, state)[there], axis=1)
 

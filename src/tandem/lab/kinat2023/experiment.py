@@ -124,9 +124,7 @@ def rule_beside(rewards: str, factor: float) -> str:
     factor (the human's -e and the +e that the robot would have had).
     """
     cost = partial(_cost, second=-2 * float(REWARDS[rewards].step), unit=2 * factor)
-    best, drawn = (
-        best_rule(thesis_cell(), cost, among=among) for among in (RULES, ("best-of-n",))
-    )
+    best, drawn = (best_rule(thesis_cell(), cost, among=among) for among in (RULES, ("best-of-n",)))
     assert best is not None  # the thesis's cell knows no limits
     assert drawn is not None
     told = [_show((one.result.makespan, one.result.stress)) for one in (best, drawn)]
@@ -138,8 +136,8 @@ def _cost(makespan: float, stress: float, *, second: float, unit: float) -> floa
 
 
 def watched(records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Of the recipe as it is written, for each factor the first run, with every episode: what figure
-    6-2 shows. The other runs keep their curves only.
+    """Of the recipe as it is written, for each factor the first run, with every episode: what
+    figure 6-2 shows. The other runs keep their curves only.
     """
     own = {
         record["factor"]: record
@@ -355,7 +353,9 @@ def _show(pair: Sequence[float]) -> str:
 
 
 def _beyond(document: Mapping[str, Any]) -> str:
-    """Which published pairs are as quick as can be, and beaten in stress by a point of the front."""
+    """Which published pairs are as quick as can be, and beaten in stress by a point of the
+    front.
+    """
     told = []
     for factor, (makespan, stress) in document["published"].items():
         least = min(

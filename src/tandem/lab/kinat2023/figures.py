@@ -3,8 +3,8 @@
 6-1 the precedence graph; 6-2 the training curves, each episode of each run for both agents; 6-3,
 6-5, 6-7 the schedules that table 6-1 publishes for the factors 0, 1, 5; 6-4, 6-6, 6-8 beside each
 what the thesis's recipe, as it is written, learned here at the same factor. As in the thesis these
-six are step curves over time of the decisions in force, d_R(t) and d_H(t); below them stand the same
-schedules as Gantt charts.
+six are step curves over time of the decisions in force, d_R(t) and d_H(t); below them stand the
+same schedules as Gantt charts.
 """
 
 from __future__ import annotations
@@ -114,8 +114,8 @@ def sliding_mean(values: Sequence[float], window: int = WINDOW) -> list[float]:
 
 
 def curves(records: Records) -> Figure:
-    """Figure 6-2 over all seeds: return over episodes; above the thesis's recipe in its variants, below ours;
-    factor 1, mean over seeds.
+    """Figure 6-2 over all seeds: return over episodes; above the thesis's recipe in its variants,
+    below ours; factor 1, mean over seeds.
     """
     figure = blank(8.6, 8.2)
     figure.clear()
@@ -201,7 +201,9 @@ def learned_schedule(factor: float, records: Records) -> Figure:
         f"Learned at factor {factor:g}, seed {best['seed']}: {episode.ticks} s, stress"
         f" {episode.stress:g}"
     )
-    return _decisions_and_gantt(episode, f"{title}. Published pair: {reached} of {len(records)} runs that finish")
+    return _decisions_and_gantt(
+        episode, f"{title}. Published pair: {reached} of {len(records)} runs that finish"
+    )
 
 
 def _decisions_and_gantt(episode: Episode, title: str) -> Figure:

@@ -112,8 +112,8 @@ TOOLBOX = replace(
     ),
     what="Kinat 2023 with the defaults of the MATLAB RL Toolbox where the thesis names none",
 )
-"""The recipe `thesis` with what that toolbox does when nobody says otherwise: Adam with an epsilon of
-1e-8 and L2 of 1e-4, a last layer that begins at its full size, an input layer for each channel.
+"""The recipe `thesis` with what that toolbox does when nobody says otherwise: Adam with an epsilon
+of 1e-8 and L2 of 1e-4, a last layer that begins at its full size, an input layer for each channel.
 And with the thesis's own criterion for stopping, an episode that pays both agents 1000, which no
 episode can. (The defaults are recalled from its manual; ASSUMPTION.)
 """

@@ -1,5 +1,5 @@
-"""Two trained agents on the thesis's station, each from a file of its own; of several simulations the
-shortest; and what was seen, done and paid in every step.
+"""Two trained agents on the thesis's station, each from a file of its own; of several simulations
+the shortest; and what was seen, done and paid in every step.
 
 Source: Kinat (2023), appendix: the agents of two files are simulated a number of times, drawing
 their actions, and the shortest simulation is the schedule.
@@ -115,10 +115,22 @@ def write_log(file: Path, cell: Cell, logs: Sequence[Sequence[Experience]]) -> N
     store(file, text.getvalue())
 
 
-COLUMNS = (
-    "simulation step clock_s doing_robot doing_human left_robot left_human action_robot"
-    " action_human reward_robot reward_human illegal_robot illegal_human done"
-).split()
+COLUMNS = [
+    "simulation",
+    "step",
+    "clock_s",
+    "doing_robot",
+    "doing_human",
+    "left_robot",
+    "left_human",
+    "action_robot",
+    "action_human",
+    "reward_robot",
+    "reward_human",
+    "illegal_robot",
+    "illegal_human",
+    "done",
+]
 """Of the log. `doing`: number of the task in hand, 0 = none; `left`: ticks left of each task."""
 
 

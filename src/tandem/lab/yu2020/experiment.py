@@ -177,7 +177,7 @@ def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:
             }  # fmt: skip
         return {**found, "desk": list(on_desk)}
 
-    for one in [*document["plain"], *document["rules"]]:
+    for one in [*document["plain"], *document.get("rules", ())]:
         rows.append(row(one["player"], None, [one["boards"]], [one["desk"]]))
     for recipe in runs.RECIPES:
         for place in ("nothing", "boards", "desk"):

@@ -62,9 +62,9 @@ def proven(seeds: Sequence[int]) -> dict[str, Any]:
 
 
 def by_best_rule(seeds: Sequence[int]) -> list[dict[str, Any]]:
-    """The best dispatch rule of Tandem on these boards and the desk, and the best of a hundred drawn
-    schedules alone: seconds. They plan the cell, in which agents may wait; the game's own rules are
-    in `plain`.
+    """The best dispatch rule of Tandem on these boards and the desk, and the best of a hundred
+    drawn schedules alone: seconds. They plan the cell, in which agents may wait; the game's own
+    rules are in `plain`.
     """
     rows = []
     for player, among in (("best rule", tuple(RULES)), ("best-of-n", ("best-of-n",))):

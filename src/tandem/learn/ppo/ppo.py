@@ -140,7 +140,9 @@ def start(key: Array, world: World, config: Config) -> Learner:
     agents = len(world.agents)
     actor_key, critic_key, reset_key, key = jax.random.split(key, 4)
     parameters = {
-        "actor": _networks(actor_key, world, config, world.actions, config.share_actor, last=config.small_start),
+        "actor": _networks(
+            actor_key, world, config, world.actions, config.share_actor, last=config.small_start
+        ),
         "critic": _networks(critic_key, world, config, 1, config.share_critic, last=1.0),
     }
     zero = jnp.zeros((), jnp.int32)
