@@ -245,7 +245,7 @@ def _curve(history: Any, window: int = 30) -> Mapping[str, list[Any]]:
 
 def _every_episode(history: Any) -> dict[str, list[Any]]:
     """Per episode what robot and human were paid (`returns`) and what their critics thought the
-    first state worth before it (`first_value`; before the first episode, after it), in whole numbers.
+    first state worth before it (`first_value`; of the first episode, after it), in whole numbers.
     """
     import numpy as np
 
