@@ -72,6 +72,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "evaluate_command",
         "Play what a run has learned, beside the exact front.",
     ),
+    "play": (
+        "tandem.cli.laboratory",
+        "play_command",
+        "Simulate a robot and a human, each trained in a file.",
+    ),
     "reproduce": (
         "tandem.cli.laboratory",
         "reproduce_command",

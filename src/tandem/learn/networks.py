@@ -14,6 +14,8 @@ from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import Any
 
+import numpy
+
 Array = Any
 Perceptron = dict[str, dict[str, Array]]
 
@@ -21,8 +23,11 @@ ACTIVATIONS: tuple[str, ...] = ("relu", "tanh")
 
 
 def init(
-    draw: Callable[[tuple[int, ...]], Array], sizes: Sequence[int], last: float = 1.0
-) -> Perceptron:
+    draw: Callable[[tuple[int, ...]], Array],
+    sizes: Sequence[int],
+    last: float = 1.0,
+    channels: Sequence[int] = (),
+) -> Any:
     """A network with `sizes[0]` inputs, `sizes[-1]` outputs and the hidden layers between; biases
     0.
 
@@ -31,13 +36,43 @@ def init(
 
     Args:
       draw: shape -> an array of that shape, uniform in [-1, 1), of the wanted namespace and type.
+      channels: how many of the inputs belong to each channel. Every channel then has a first layer
+        of its own, of `sizes[1]` units, and the second layer sees them all; needs a hidden layer.
     """
-    layers: Perceptron = {}
+
+    def layer(inputs: int, outputs: int, times: float) -> dict[str, Array]:
+        weight = draw((inputs, outputs)) * (math.sqrt(6 / (inputs + outputs)) * times)
+        return {"weight": weight, "bias": weight[0] * 0}
+
+    layers: dict[str, Any] = {}
     for index, (inputs, outputs) in enumerate(itertools.pairwise(sizes)):
-        reach = math.sqrt(6 / (inputs + outputs)) * (last if index == len(sizes) - 2 else 1.0)
-        weight = draw((inputs, outputs)) * reach
-        layers[str(index)] = {"weight": weight, "bias": weight[0] * 0}
+        times = last if index == len(sizes) - 2 else 1.0
+        if channels and not index:
+            layers["0"] = {str(at): layer(own, outputs, times) for at, own in enumerate(channels)}
+        else:
+            wide = inputs * (len(channels) if index == 1 and channels else 1)
+            layers[str(index)] = layer(wide, outputs, times)
     return layers
+
+
+def joined(network: Any) -> Perceptron:
+    """The same network with one first layer, in NumPy: the channels' weights as blocks, 0 between
+    them.
+    """
+    if "weight" in network["0"]:
+        return dict(network)
+    parts = [network["0"][str(index)] for index in range(len(network["0"]))]
+    units = parts[0]["weight"].shape[-1]
+    blocks = []
+    for index, part in enumerate(parts):
+        sides = [(0, 0)] * (part["weight"].ndim - 1)
+        wide = (index * units, (len(parts) - index - 1) * units)
+        blocks.append(numpy.pad(part["weight"], [*sides, wide]))
+    first = {
+        "weight": numpy.concatenate(blocks, -2),
+        "bias": numpy.concatenate([part["bias"] for part in parts], -1),
+    }
+    return {**network, "0": first}
 
 
 def mapped(function: Callable[[Array], Array], network: Any) -> Any:
@@ -59,9 +94,23 @@ def forward(xp: ModuleType, network: Perceptron, inputs: Array, activation: str)
         layer = network[str(index)]
         if index:
             flow = xp.tanh(flow) if activation == "tanh" else xp.maximum(flow, 0)
-        flow = flow @ layer["weight"]
-        flow = flow + layer["bias"].reshape((1,) * (flow.ndim - 1) + (-1,))
+        flow = _dense(layer, flow) if "weight" in layer else _by_channel(xp, layer, flow)
     return flow
+
+
+def _dense(layer: Any, inputs: Array) -> Array:
+    flow = inputs @ layer["weight"]
+    return flow + layer["bias"].reshape((1,) * (flow.ndim - 1) + (-1,))
+
+
+def _by_channel(xp: ModuleType, layers: Any, inputs: Array) -> Array:
+    """`[..., channels x units]`: each channel through the layer of its own, side by side."""
+    begin, outputs = 0, []
+    for index in range(len(layers)):
+        end = begin + layers[str(index)]["weight"].shape[-2]
+        outputs.append(_dense(layers[str(index)], inputs[..., begin:end]))
+        begin = end
+    return xp.concatenate(outputs, -1)
 
 
 def masked_log_softmax(xp: ModuleType, logits: Array, legal: Array) -> Array:

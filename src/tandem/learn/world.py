@@ -14,8 +14,8 @@ State = Any
 
 
 class StageValues(NamedTuple):
-    """One stage as numbers that a compiled loop reads; see `Stage`. It ends at `episodes` or
-    `steps`.
+    """One stage as numbers that a compiled loop reads; see `Stage`. It ends at `episodes`, `steps`
+    or `stop_return`.
     """
 
     entropy: Any
@@ -24,6 +24,7 @@ class StageValues(NamedTuple):
     normalise_advantages: Any
     episodes: Any
     steps: Any
+    stop_return: Any
 
 
 class StepResult(NamedTuple):

@@ -284,3 +284,11 @@ def test_ranks_and_intervals():
     low, high = interval([0.0, 1.0] * 5)
     assert 0.1 <= low < 0.5 < high <= 0.9
     assert interval([0.3] * 4) == pytest.approx((0.3, 0.3))
+
+
+def test_the_rules_robots_are_no_better_than_the_exact_ones():
+    cell = alessio_cells.cells()["thesis"]
+    name, (nominal, guaranteed) = alessio_cells.best_rule_robot(cell)
+    assert name in alessio_cells.RULES
+    assert (nominal, guaranteed) == (23, 47)
+    assert times(cell, alessio_cells.rule_robot(cell, lambda ticks: -ticks))[0] >= 23

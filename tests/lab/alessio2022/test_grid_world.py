@@ -327,3 +327,12 @@ def test_impossible_moves_raise_only_when_strict_and_wrong_options_are_named_tog
         env.step({"robot_0": UP, "human_0": WAIT})
     with pytest.raises(UsageError, match=r"observation 'all'.*\n.*first 'dog'"):
         tandem.envs.parallel_env("grid", ROOM, observation="all", first="dog")
+
+
+def test_who_is_shut_in_does_not_idle():
+    """A robot with nowhere to go waits for nothing; one that could go pays for waiting."""
+    shut, free = (grid(layout(drawn)) for drawn in ("RH.G\n##.W", "R.HG\n##.W"))
+    paid = [
+        step(data, PAID, reset(data), np.array([WAIT, WAIT]))[1][0].item() for data in (shut, free)
+    ]
+    assert paid == [pytest.approx(-0.1), pytest.approx(-0.3)]

@@ -149,3 +149,13 @@ def test_the_stored_long_run_holds_what_the_page_says():
     }
     assert max(error for p, error in best.items() if p <= 0.3) < 1e-3
     assert document["speed"]["wall_s"] < 1.0
+
+
+def test_the_best_rule_is_exact_without_slips_and_no_better_than_exact_with_them():
+    world = experiment.runs_on(experiment.own_cell())
+    for p in (0.0, 0.2):
+        _, expected = experiment.best_rule_at(world, p)
+        exact = float(value_iteration(world.process(p)).values[0])
+        assert expected >= exact - 1e-6
+        assert (abs(expected - exact) < 1e-6) == (p == 0)
+    assert "| best rule |" in experiment.table(experiment.stored())

@@ -148,3 +148,16 @@ def test_rewards_that_pay_for_doing_nothing_are_refused(thesis):
 def test_a_cell_that_does_not_fit_is_refused():
     with pytest.raises(CellError, match="one tick"):
         return_optimal(cell_of({"a": ({"robot": 1}, 0, [])}), reward_set())
+
+
+def test_fines_of_their_own_change_the_optimum_only_where_breaking_a_rule_pays():
+    """One fine thrice is three equal fines; with idling at -11 and a fine of -1 for an open
+    dependency, naming a blocked task is the cheap way to wait.
+    """
+    cell = cell_of({"a": ({"robot": 3, "human": 3}, 0, []), "b": ({"human": 2}, 0, ["a"])})
+    one = reward_set("table_5_2", stage=1)
+    apart = one._replace(illegal=(one.illegal,) * 3)
+    assert return_optimal(cell, apart) == return_optimal(cell, one)
+    cheap = one._replace(illegal=(-10.0, -1.0, -10.0))
+    assert return_optimal(cell, cheap).value > return_optimal(cell, one).value
+    assert return_optimal(cell, cheap).ways[0].illegal > 0

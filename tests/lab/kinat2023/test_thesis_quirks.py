@@ -202,3 +202,26 @@ def test_the_published_solutions_take_their_published_ticks_and_stress(
     )
     assert episode.schedule == schedule
     assert sum(episode.returns) == 2 * (-10 * makespan + 50) + factor * (33 - 2 * stress)
+
+
+def test_each_rule_can_have_a_fine_of_its_own(thesis):
+    """Busy, dependent and unavailable add up, as one fine for all does."""
+    data = station(thesis)
+    apart = PAID._replace(illegal=(-1.0, -20.0, -300.0))
+    busy = reset(data, np.array([1, 0]))
+    for task, fine, rules in ((2, -1, 1), (4, -21, 2), (3, -301, 2)):
+        own, same = (step(data, paid, busy, np.array((task, 0)))[1] for paid in (apart, PAID))
+        assert own[ROBOT] == PAID.step + fine
+        assert same[ROBOT] == PAID.step + rules * PAID.illegal
+
+
+def test_a_task_can_be_in_hand_at_the_reset(thesis):
+    """The robot has task 1 (9 s) in hand: eight ticks are left, and the human cannot take it."""
+    data = station(thesis)
+    state = reset(data, np.array([1, 0]))
+    assert (state.doing.tolist(), state.time[HUMAN][0], float(state.stress)) == ([1, 0], 0, 0.0)
+    for _ in range(8):
+        assert state.doing[ROBOT] == 1
+        state, *_ = step(data, PAID, state, np.array((0, 0)))
+    assert (state.doing[ROBOT], bool(state.ended[0])) == (0, True)
+    assert float(reset(data, np.array([0, 2])).stress) == 11.0

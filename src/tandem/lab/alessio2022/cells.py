@@ -159,6 +159,39 @@ def nominal_robot(cell: Cell) -> Robots:
     )[0]
 
 
+RULES: dict[str, Callable[[float], float]] = {
+    "in the cell's order": lambda _: 0.0,
+    "shortest first": lambda ticks: ticks,
+    "longest first": lambda ticks: -ticks,
+}
+"""Robots that learn nothing: they never wait when they could work, and begin the task that is least
+by one of these.
+"""
+
+
+def rule_robot(cell: Cell, rank: Callable[[float], float]) -> Robots:
+    """The robot that begins the least of what it may, at once."""
+    moves = values(cell).moves
+    robot = _robot(moves)
+
+    def decide(position: Position) -> tuple[int, ...]:
+        if moves.busy(position) & robot:
+            return ()
+        legal = moves.legal(position, robot)
+        return (min(legal, key=lambda way: (rank(moves.ticks[way]), way)),) if legal else ()
+
+    return decide
+
+
+def best_rule_robot(cell: Cell) -> tuple[str, tuple[float, float]]:
+    """The rule whose robot is quickest beside a human that helps, of equals the one that guarantees
+    most; its (nominal, guaranteed) seconds.
+    """
+    found = {name: times(cell, rule_robot(cell, rank)) for name, rank in RULES.items()}
+    name = min(found, key=lambda one: found[one])
+    return name, found[name]
+
+
 def trade(cell: Cell, hostile: Values | None = None) -> list[tuple[float, float]]:
     """The exact front of (guaranteed, nominal) seconds over all robots, the smallest guarantee
     first.

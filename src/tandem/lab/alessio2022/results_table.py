@@ -6,7 +6,10 @@ from collections.abc import Mapping, Sequence
 from statistics import fmean
 from typing import Any
 
+from tandem.cell.model import Cell
+from tandem.lab.alessio2022 import cells
 from tandem.lab.origin import origin
+from tandem.learn.baseline import best_rule
 
 Document = Mapping[str, Any]
 
@@ -117,11 +120,13 @@ def _cell_lines(document: Document) -> list[str]:
         ),
         "",
         (
-            "| cell | least nominal | least guaranteed | both at once? | optimiser's robot |"
-            " untrained networks | learned without an adversary | with an adversary |"
+            "| cell | least nominal | least guaranteed | both at once? | optimiser's robot | best"
+            " dispatch rule, planned | best rule's robot | untrained networks |"
+            " learned without an adversary | with an adversary |"
         ),
-        "|---|---|---|---|---|---|---|---|",
+        "|" + "---|" * 10,
     ]
+    known = cells.cells()
     for row in document["cells"]:
         guaranteed, last = row["trade"][0][0], row["trade"][-1]
         both = (
@@ -134,9 +139,13 @@ def _cell_lines(document: Document) -> list[str]:
             for kind in ("untrained", "plain", "adversarial")
         ]
         robot = f"{row['optimiser'][0]:g} / {row['optimiser'][1]:g}"
+        planned, (name, (helped, spoiled)) = _by_rules(known[row["cell"]])
+        rules = [planned, f"{helped:g} / {spoiled:g} ({name})"]
         lines.append(
             "| "
-            + " | ".join([row["cell"], f"{last[1]:g}", f"{guaranteed:g}", both, robot, *learned])
+            + " | ".join(
+                [row["cell"], f"{last[1]:g}", f"{guaranteed:g}", both, robot, *rules, *learned]
+            )
             + " |"
         )
     price = document["price"]
@@ -150,6 +159,13 @@ def _cell_lines(document: Document) -> list[str]:
         ),
     ]
     return lines
+
+
+def _by_rules(cell: Cell) -> tuple[str, tuple[str, tuple[float, float]]]:
+    """What learns nothing: the best dispatch rule's schedule, and the robot of a rule."""
+    rule = best_rule(cell, lambda makespan, _: makespan)
+    assert rule is not None  # none of these cells knows limits
+    return f"{rule.result.makespan:g} ({rule.name})", cells.best_rule_robot(cell)
 
 
 def _learned(pairs: Sequence[Sequence[float]], nominal: float, guaranteed: float) -> str:

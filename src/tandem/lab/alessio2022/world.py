@@ -61,8 +61,8 @@ class Rewards(NamedTuple):
 
     right: the robot, when a right terminal state is reached, whoever reaches it.
     wrong: the human, when a wrong one is reached, whoever reaches it.
-    step: each agent for each move of its own; `idle` on top when it waits; `illegal` on top when
-    the move is not possible.
+    step: each agent for each move of its own; `idle` on top when it waits although it could move;
+    `illegal` on top when the move is not possible.
     """
 
     right: Array = 10.0
@@ -171,11 +171,20 @@ def step(
         waited=xp.where(xp.any(moves), 0, state.waited + 1).astype(xp.int32),
     )
     broken = (mine & ~possible) | ~is_action
-    paid = mine * (rewards.step + rewards.idle * (action == WAIT)) + rewards.illegal * broken
+    chosen = (action == WAIT) & _can_move(grid, state)
+    paid = mine * (rewards.step + rewards.idle * chosen) + rewards.illegal * broken
     ends = xp.stack(
         [rewards.right * (reached == REACHED_RIGHT), rewards.wrong * (reached == REACHED_WRONG)]
     )
     return after, (paid + ends).astype(xp.float32), is_over(grid, after), broken.astype(xp.int32)
+
+
+def _can_move(grid: Grid, state: State) -> Array:
+    """`[2]` bool, whether an agent could go anywhere were it on turn; who is shut in does not
+    idle.
+    """
+    there = grid.neighbour[state.position]
+    return namespace(grid.kind).any((there >= 0) & ~_closed(grid, state)[there], axis=1)
 
 
 def leads_to(grid: Grid, position: Array, action: Array) -> tuple[Array, Array]:

@@ -21,16 +21,19 @@ from tandem.files.validate import cell_of
 from tandem.lab.antonelli2021 import Repair, qlearning, repair
 from tandem.lab.antonelli2021.cells import cells, own_cell
 from tandem.lab.antonelli2021.markov import (
+    Process,
     policy_values,
     reaching_states,
     sure_states,
     value_iteration,
 )
 from tandem.lab.antonelli2021.qlearning import Config
+from tandem.lab.antonelli2021.world import WRONG, legal
 from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.origin import origin
 from tandem.lab.records import kept_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
+from tandem.learn.baseline import best_rule
 from tandem.learn.training.runs import versions
 from tandem.plan.methods import plan
 from tandem.plan.question import Question
@@ -75,6 +78,8 @@ PRECISE_AT = {0.0: 5.0, 0.1: 5.0, 0.2: 10.0, 0.3: 15.0, 0.5: 60.0}
 """p -> horizon of the rate: about as many as the operations that an assembly takes then; with less,
 the first guesses fade too slowly.
 """
+LONGER_AT = {0.5: 15}
+"""p -> how many times as many rounds bring even draws within a thousandth of a second."""
 
 PATIENCE = 200
 """Operations after which an assembly counts as not finished."""
@@ -148,6 +153,13 @@ def reproduce(
         document["precision"] += kept_record(
             records / f"precision-{p:g}.json", make_rows, {**asked, "horizon": horizon}
         )
+    for p in () if quick else LONGER_AT:
+        tell(f"precision at p = {p:g}: {LONGER_AT[p]} times as many rounds")
+        document["precision"] += kept_record(
+            records / f"precision-{p:g}-longer.json",
+            partial(longer_precision, own_cell(), p),
+            {**asked, "times": LONGER_AT[p]},
+        )
     document["speed"] = speed(thesis_cell())
     return write_document(folder / STORED, document)
 
@@ -201,6 +213,44 @@ def exact_row(world: Repair, p: float) -> dict[str, Any]:
         "reaches_as_asked": int(reaching_states(process, found.policy).sum()),
         "sure": int(sure_states(process, found.policy).sum()),
     }
+
+
+MOUNT_FIRST: dict[str, Callable[[float], float]] = {
+    "in the cell's order": lambda _: 0.0,
+    "shortest first": lambda seconds: seconds,
+    "longest first": lambda seconds: -seconds,
+}
+"""Rules that learn nothing: what sits wrongly comes off first, the last part first; which part is
+mounted next is by the least of these.
+"""
+
+
+def rule_policy(world: Repair, rank: Callable[[float], float]) -> np.ndarray:
+    """`[S]` int, the operation that the rule asks for in each state (0 in the goal)."""
+    parts = len(world.product.names)
+
+    def choose(node: Sequence[int]) -> int:
+        allowed = legal(world.product, tuple(node))
+        wrong = [part for part in allowed if part >= parts and node[part - parts] == WRONG]
+        if wrong:
+            return max(wrong)
+        mounts = [part for part in allowed if part < parts]
+        if mounts:
+            return min(mounts, key=lambda part: rank(world.product.mount[part]))
+        return max(allowed, default=0)
+
+    return np.array([choose(node) for node in world.nodes])
+
+
+def best_rule_at(world: Repair, p: float) -> tuple[str, float]:
+    """The rule of the least expected seconds from the empty table, solved exactly."""
+    process = world.process(p)
+    found = {
+        name: float(policy_values(process, rule_policy(world, rank))[0])
+        for name, rank in MOUNT_FIRST.items()
+    }
+    name = min(found, key=lambda one: found[one])
+    return name, found[name]
 
 
 def player_row(world: Repair, player: str, p: float, tables: np.ndarray) -> dict[str, Any]:
@@ -263,13 +313,9 @@ def precision(cell: Cell, horizons: Mapping[float, float], config: Config) -> li
     Along episodes five times as many updates are made as there are rounds; a round updates every
     pair, and costs about as much as that.
     """
-    import jax
-
     world, rows = runs_on(cell), []
     for p, horizon in horizons.items():
         process, config = world.process(p), replace(config, horizon=horizon)
-        exact = value_iteration(process).values
-        pairs = int(process.legal.sum())
         ways = {
             "episodes": (
                 qlearning.train_seeds,
@@ -284,20 +330,42 @@ def precision(cell: Cell, horizons: Mapping[float, float], config: Config) -> li
             "rounds, even draws": (qlearning.sweep_seeds, config, True),
             "rounds, even draws, single precision": (qlearning.sweep_seeds, config, False),
         }
-        for way, (learn, settings, double) in ways.items():
-            began = time.process_time()
-            with jax.enable_x64(double):
-                learned = learn(jax.random.split(jax.random.key(0), 1), process, settings)
-                curve = np.asarray(learned.curve[0])
-            each = -(-settings.steps // settings.reports) * (1 if way == "episodes" else pairs)
-            rows.append({
-                "way": way,
-                "p": p,
-                "updates": [each * (index + 1) for index in range(settings.reports)],
-                "error_s": [float(f"{error:.3g}") for error in np.abs(curve - exact).max(axis=1)],
-                "cpu_s": round(time.process_time() - began, 1),
-            })  # fmt: skip
+        rows += [_precision_row(process, way, p, *told) for way, told in ways.items()]
     return rows
+
+
+def longer_precision(cell: Cell, p: float) -> list[dict[str, Any]]:
+    """The row of even draws in double precision with `LONGER_AT` times as many rounds."""
+    config = replace(PRECISE, steps=PRECISE.steps * LONGER_AT[p], horizon=PRECISE_AT[p])
+    way = f"rounds, even draws, {LONGER_AT[p]} times as many"
+    return [_precision_row(runs_on(cell).process(p), way, p, qlearning.sweep_seeds, config, True)]
+
+
+def _precision_row(
+    process: Process,
+    way: str,
+    p: float,
+    learn: Callable[..., Any],
+    settings: Config,
+    double: bool,
+) -> dict[str, Any]:
+    """How far one way of learning is from the exact values, after every report."""
+    import jax
+
+    began = time.process_time()
+    with jax.enable_x64(double):
+        learned = learn(jax.random.split(jax.random.key(0), 1), process, settings)
+        curve = np.asarray(learned.curve[0])
+    pairs = 1 if way == "episodes" else int(process.legal.sum())
+    each = -(-settings.steps // settings.reports) * pairs
+    exact = value_iteration(process).values
+    return {
+        "way": way,
+        "p": p,
+        "updates": [each * (index + 1) for index in range(settings.reports)],
+        "error_s": [float(f"{error:.3g}") for error in np.abs(curve - exact).max(axis=1)],
+        "cpu_s": round(time.process_time() - began, 1),
+    }
 
 
 def speed(cell: Cell) -> dict[str, Any]:
@@ -360,8 +428,11 @@ def table(document: Mapping[str, Any]) -> str:
     """Expected seconds per p: published, as described, ours, exact; and how near the learned values
     come. Markdown.
     """
-    lines = []
+    lines, known = [], {cell.name: cell for cell in cells().values()}
     for found in document["cells"].values():
+        world = runs_on(known[found["cell"]])
+        side_by_side = best_rule(known[found["cell"]], lambda makespan, _: makespan)
+        assert side_by_side is not None  # neither cell knows limits
         lines += [
             (
                 f"{found['cell']}: {found['states']} states, {found['wrong_states']} of them with a"
@@ -371,15 +442,15 @@ def table(document: Mapping[str, Any]) -> str:
         ]
         players = list(dict.fromkeys(row["player"] for row in found["players"]))
         lines += [
-            f"| p | published | {' | '.join(players)} | exact |",
-            "|" + "---|" * (len(players) + 3),
+            f"| p | published | {' | '.join(players)} | best rule | exact |",
+            "|" + "---|" * (len(players) + 4),
         ]
         for exact in found["exact"]:
             rows = {row["player"]: row for row in found["players"] if row["p"] == exact["p"]}
             entries = [_entry(rows[player]) for player in players]
             lines.append(
                 f"| {exact['p']:g} | not public | {' | '.join(entries)} |"
-                f" {exact['expected_s']:.2f} s |"
+                f" {_by_rule(world, exact)} | {exact['expected_s']:.2f} s |"
             )
         lines += [
             "",
@@ -388,7 +459,8 @@ def table(document: Mapping[str, Any]) -> str:
                 f" {found['states']}; those from which the exact policy gets there:"
                 f" {min(row['sure'] for row in found['exact'])}. The planner, one operation at a"
                 f" time: {found['planned_one_at_a_time']:g} s; side by side:"
-                f" {found['planned_side_by_side']:g} s."
+                f" {found['planned_side_by_side']:g} s; the best dispatch rule side by side:"
+                f" {side_by_side.result.makespan:g} s ({side_by_side.name})."
             ),
             "",
         ]
@@ -403,11 +475,18 @@ def table(document: Mapping[str, Any]) -> str:
         (
             "Expected times of greedy policies, mean over the seeds that finish for certain (how"
             " many do); in brackets the share of all states from which they get to the goal when"
-            " the human slips no more."
+            " the human slips no more. The best rule learns nothing: what sits wrongly comes off"
+            " first, then parts are mounted by the order that it names; its time is solved exactly."
         ),
         *origin(document, f"{len(document['seeds'])} seeds"),
     ]
     return "\n".join(lines)
+
+
+def _by_rule(world: Repair, exact: Mapping[str, Any]) -> str:
+    name, expected = best_rule_at(world, exact["p"])
+    over = expected / exact["expected_s"] - 1
+    return f"{expected:.2f} s ({name}), {max(over, 0.0):.1%}"
 
 
 def _precision_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -423,11 +502,10 @@ def _precision_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         "|" + "---|" * (len(chances) + 1),
     ]
     for way in dict.fromkeys(row["way"] for row in rows):
-        own = [row for row in rows if row["way"] == way]
-        lines.append(
-            f"| {way}, {own[0]['updates'][-1]:,} updates |"
-            f" {' | '.join(format(row['error_s'][-1], '.2g') + ' s' for row in own)} |"
-        )
+        own = {row["p"]: row for row in rows if row["way"] == way}
+        updates = next(iter(own.values()))["updates"][-1]
+        errors = [f"{own[p]['error_s'][-1]:.2g} s" if p in own else "–" for p in chances]
+        lines.append(f"| {way}, {updates:,} updates | {' | '.join(errors)} |")
     return lines
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -87,6 +87,19 @@ class Episode:
     schedule: Schedule
 
 
+class Experience(NamedTuple):
+    """One step: the state in which both named something, what they named, what they were paid and
+    how many rules they broke, `[2]` each, the state after it, and whether it was the last.
+    """
+
+    before: State
+    action: Any
+    reward: Any
+    illegal: Any
+    after: State
+    done: bool
+
+
 def play(
     cell: Cell,
     rewards: Rewards,
@@ -95,12 +108,14 @@ def play(
     by: str = "decisions",
     per_second: int = 1,
     limit: int = STEPS_OF_THE_THESIS,
+    watch: Callable[[Experience], Any] | None = None,
 ) -> Episode:
     """Plays the station until all is done or `limit` ticks have passed.
 
     Args:
       choose: station and state (NumPy) to the two agents' actions.
       by: "decisions" (`decisions.decide_step`) or "ticks" (`world.step`).
+      watch: is told every step.
 
     Raises:
       CellError: the thesis's encoding cannot hold the cell.
@@ -115,6 +130,8 @@ def play(
         before = state
         state, reward, done, info = STEPS[by](data, rewards, state, action)
         record.note(before, info)
+        if watch:
+            watch(Experience(before, action, reward, info.illegal, state, bool(done)))
         actions.append((int(action[0]), int(action[1])))
         returns += reward
         illegal += int(np.count_nonzero(info.illegal))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from tandem.cell.model import Cell
 from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.kinat2023.optimal import return_optimal
 from tandem.lab.kinat2023.recipe import STATION
-from tandem.lab.kinat2023.rewards import reward_set
+from tandem.lab.kinat2023.rewards import REWARDS, reward_set
 from tandem.lab.kinat2023.runs import (
     FACTORS,
     OURS,
@@ -29,9 +30,11 @@ from tandem.lab.kinat2023.world import State, Station
 from tandem.lab.origin import origin
 from tandem.lab.records import read_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
+from tandem.learn.baseline import best_rule
 from tandem.learn.ppo.recipes import longer
 from tandem.learn.training.runs import versions
 from tandem.plan.methods import plan
+from tandem.plan.rules import RULES
 
 SEEDS_OF_THE_THESIS, SEEDS_OF_OURS = 10, 20
 QUICK = 0.02
@@ -106,8 +109,46 @@ def assemble(records: Sequence[Mapping[str, Any]], *, quick: bool = False) -> di
                 ]
             )
         ],
-        "records": list(records),
+        "watched": watched(records),
+        "records": [
+            {name: value for name, value in record.items() if name != "every_episode"}
+            for record in records
+        ],
     }
+
+
+@cache
+def rule_beside(rewards: str, factor: float) -> str:
+    """The best dispatch rule and the best of a hundred drawn schedules, by what the rewards of that
+    name come to: a second is paid to both agents, and a unit of stress on the human costs twice the
+    factor (the human's -e and the +e that the robot would have had).
+    """
+    cost = partial(_cost, second=-2 * float(REWARDS[rewards].step), unit=2 * factor)
+    best, drawn = (best_rule(thesis_cell(), cost, among=among) for among in (RULES, ("best-of-n",)))
+    assert best is not None  # the thesis's cell knows no limits
+    assert drawn is not None
+    told = [_show((one.result.makespan, one.result.stress)) for one in (best, drawn)]
+    return f"{told[0]} ({best.name}); best-of-n {told[1]}"
+
+
+def _cost(makespan: float, stress: float, *, second: float, unit: float) -> float:
+    return second * makespan + unit * stress
+
+
+def watched(records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Of the recipe as it is written, for each factor the first run, with every episode: what
+    figure 6-2 shows. The other runs keep their curves only.
+    """
+    own = {
+        record["factor"]: record
+        for record in reversed(records)
+        if record["variant"] == "thesis" and record.get("every_episode")
+    }
+    return [
+        {name: own[factor][name] for name in ("variant", "factor", "seed", "every_episode")}
+        for factor in FACTORS
+        if factor in own and own[factor]["every_episode"]["returns"]
+    ]
 
 
 def summary(
@@ -220,8 +261,9 @@ def table(document: Mapping[str, Any]) -> str:
             "| factor | recipe | seeds | published | greedy: most frequent | greedy reaches"
             " published | reaches return-optimal | reaches the front | greedy finishes | sampled"
             " makespan | sampled stress | best of 100 return-optimal | return-optimal (DP) |"
+            " best rule |"
         ),
-        "|" + "---|" * 13,
+        "|" + "---|" * 14,
     ]
     for row in sorted(document["summary"], key=lambda row: row["factor"]):
         rewards = "table_5_2" if "table 5-2" in row["variant"] else "appendix"
@@ -237,6 +279,7 @@ def table(document: Mapping[str, Any]) -> str:
             ", ".join(
                 _show(pair) for pair in document["return_optimal"][rewards][str(row["factor"])]
             ),
+            rule_beside(rewards, row["factor"]),
         ]  # fmt: skip
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     exact = ", ".join(_show(point) for point in document["exact_front"])
@@ -244,8 +287,10 @@ def table(document: Mapping[str, Any]) -> str:
         "",
         (
             f"Exact front: {exact}. Pairs are makespan in seconds / stress. Shares with their 95 %"
-            " interval (Wilson), means with the half width of theirs."
+            " interval (Wilson), means with the half width of theirs. The best rule learns nothing:"
+            " the dispatch rule, or the best of a hundred drawn schedules, of the largest return."
         ),
+        _beyond(document),
         *origin(document),
     ]
     return "\n".join(lines)
@@ -305,6 +350,23 @@ def _counts(pairs: Sequence[tuple[float, float] | None]) -> list[list[float]]:
 
 def _show(pair: Sequence[float]) -> str:
     return f"{pair[0]:g}/{pair[1]:g}"
+
+
+def _beyond(document: Mapping[str, Any]) -> str:
+    """Which published pairs are as quick as can be, and beaten in stress by a point of the
+    front.
+    """
+    told = []
+    for factor, (makespan, stress) in document["published"].items():
+        least = min(
+            (point[1] for point in document["exact_front"] if point[0] <= makespan), default=stress
+        )
+        if least < stress:
+            told.append(
+                f"Published at factor {factor}: makespan-optimal, stress +{stress - least:g}"
+                f" ({_show((makespan, least))} exists)."
+            )
+    return " ".join(told)
 
 
 def _share(reached: Mapping[str, Any]) -> str:

@@ -63,6 +63,15 @@ class StationWorld:
             else 2 + 3 * self.tasks + squares
         )
 
+    @property
+    def channels(self) -> tuple[int, ...]:
+        """How many numbers of the thesis's observation belong to each of its channels: the task in
+        hand of robot and human, the times of both, the stress, the dependencies. Ours is one.
+        """
+        if self.sees == "normalised":
+            return ()
+        return (1, 1, self.tasks, self.tasks, self.tasks, self.tasks**2)
+
     @classmethod
     def of(cls, cell: Cell, recipe: StationRecipe, *, stress_factor: float = 0.0) -> Self:
         """The cell as the recipe wants it; times that are no whole seconds of at least 2 are

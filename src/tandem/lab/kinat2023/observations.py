@@ -47,6 +47,26 @@ def observe_scaled(station: Station, state: State) -> Array:
     return xp.stack([flat, flat])
 
 
+LONGEST_TIME_S, MOST_STRESS = 3600, 100
+"""The bounds that the thesis declares for its channels of times and of stress."""
+
+
+def observe_bounded(station: Station, state: State) -> Array:
+    """`[2, 2 + 3 T + T T]` float32: `observe` with times divided by 3600, stress by 100 and task
+    numbers by the number of tasks: the bounds that the thesis declares, whatever the cell.
+    """
+    xp = namespace(state.time)
+    parts = [
+        state.doing / state.ended.shape[0],
+        state.time[ROBOT] / LONGEST_TIME_S,
+        state.time[HUMAN] / LONGEST_TIME_S,
+        station.stress / MOST_STRESS,
+        _open_needs(station, state),
+    ]
+    flat = xp.concatenate([xp.ravel(part).astype(xp.float32) for part in parts])
+    return xp.stack([flat, flat])
+
+
 def observe_normalised(station: Station, state: State) -> Array:
     """`[2, 6 T + 4 + T T]` float32 in 0..1, each agent sees itself first: our own recipe's
     observation.

@@ -77,6 +77,10 @@ def return_optimal(
     return Optimum(float(Decimal(best[start]) / process.scale), tuple(found), found, len(order))
 
 
+FINES = ("busy", "dependent", "unavailable")
+"""What the three parts of `Rewards.illegal` are for."""
+
+
 class _State(NamedTuple):
     """Tasks that ended, as bits; what robot and human do (-1 = free) and the ticks left of it."""
 
@@ -115,7 +119,9 @@ class _Process:
         self.tasks = range(len(self.time[ROBOT]))
         self.needs = [sum(1 << j for j in self.tasks if data.needs[i, j]) for i in self.tasks]
         stress = [Decimal(str(e)) for e in data.stress]
-        pay = {name: Decimal(repr(float(value))) for name, value in rewards._asdict().items()}
+        illegal = rewards.illegal if isinstance(rewards.illegal, tuple) else (rewards.illegal,) * 3
+        paid = rewards._asdict() | dict(zip(FINES, illegal, strict=True)) | {"illegal": 0.0}
+        pay = {name: Decimal(repr(float(value))) for name, value in paid.items()}
         self.per_stress = _scale(stress)
         self.stress = [int(e * self.per_stress) for e in stress]
         self.scale = _scale([*pay.values(), *(e * pay["stress_factor"] for e in stress)])
@@ -138,29 +144,40 @@ class _Process:
         if doing >= 0:
             return [
                 _Option(0, -1, False, 0),
-                *self.illegal([(1 + self.broken(state, agent, i), i) for i in self.tasks]),
+                *self.illegal([(True, *self.broken(state, agent, i), i) for i in self.tasks]),
             ]
-        broken = [(self.broken(state, agent, i), i) for i in self.tasks]
+        broken = [(False, *self.broken(state, agent, i), i) for i in self.tasks]
         sign = 1 if agent == ROBOT else -1
-        legal = [_Option(i + 1, i, False, sign * self.load[i]) for count, i in broken if count == 0]
+        legal = [
+            _Option(i + 1, i, False, sign * self.load[i]) for *rules, i in broken if not any(rules)
+        ]
         return [
             _Option(0, -1, False, self.pay["idle"]),
             *legal,
-            *self.illegal([(count, i) for count, i in broken if count]),
+            *self.illegal([one for one in broken if any(one[:-1])]),
         ]
 
-    def broken(self, state: _State, agent: int, task: int) -> int:
-        """Rules that naming the task breaks for an agent, whether it is busy or not: an open
+    def broken(self, state: _State, agent: int, task: int) -> tuple[bool, bool]:
+        """Which rules naming the task breaks for an agent, whether it is busy or not: an open
         dependency, no time of its own.
         """
         gone = (
             state.ended >> task & 1 or state.doing[1 - agent] == task or not self.time[agent][task]
         )
-        return bool(self.needs[task] & ~state.ended) + bool(gone)
+        return bool(self.needs[task] & ~state.ended), bool(gone)
 
-    def illegal(self, broken: list[tuple[int, int]]) -> list[_Option]:
-        """The best paid of these illegal actions, each (broken rules, task)."""
-        options = [_Option(i + 1, -1, True, self.pay["illegal"] * count) for count, i in broken]
+    def illegal(self, broken: list[tuple[bool, bool, bool, int]]) -> list[_Option]:
+        """The best paid of these illegal actions, each (three rules, whether broken; task)."""
+        fines = [self.pay[name] for name in FINES]
+        options = [
+            _Option(
+                i + 1,
+                -1,
+                True,
+                sum(fine for fine, is_broken in zip(fines, rules, strict=True) if is_broken),
+            )
+            for *rules, i in broken
+        ]
         return [max(options, key=lambda option: option.paid)] if options else []
 
     def move(self, state: _State, robot: _Option, human: _Option) -> _Move:

@@ -8,7 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, ClassVar, Literal
 
-from tandem.lab.kinat2023.observations import observe, observe_normalised, observe_scaled
+from tandem.lab.kinat2023.observations import (
+    observe,
+    observe_bounded,
+    observe_normalised,
+    observe_scaled,
+)
 from tandem.lab.kinat2023.rewards import REWARDS
 from tandem.learn.forms import key_of
 from tandem.learn.ppo.config import Config, Stage
@@ -17,6 +22,7 @@ from tandem.learn.settings import checked
 OBSERVATIONS: dict[str, Callable[..., Any]] = {
     "thesis": observe,
     "scaled": observe_scaled,
+    "bounded": observe_bounded,
     "normalised": observe_normalised,
 }
 """What a recipe's `sees` means: station and state to `[2, D]`, in NumPy and JAX alike."""
@@ -33,7 +39,8 @@ class StationRecipe:
       config: of the learner.
       pace: the station by "ticks" or by "decisions".
       sees: a name in `OBSERVATIONS`: the thesis's observation as it is ("thesis") or in 0..1
-        ("scaled"), or ours ("normalised").
+        ("scaled"), divided by the bounds that the thesis declares ("bounded"), or ours
+        ("normalised").
       rewards: a name in `tandem.lab.kinat2023.REWARDS`. What idling costs is said by the stages.
       what: it is, in a line; no setting.
     """
@@ -92,6 +99,37 @@ THESIS = StationRecipe(
 by default: two hidden layers, ReLU, raw advantages, learning after each episode or 512 steps,
 whichever comes first. (Recalled from its manual; ASSUMPTION.)
 """
+
+TOOLBOX = replace(
+    THESIS,
+    config=replace(
+        THESIS.config,
+        stages=tuple(replace(stage, stop_return=1000.0) for stage in THESIS.config.stages),
+        adam_epsilon=1e-8,
+        l2=1e-4,
+        small_start=1.0,
+        layer_per_channel=True,
+    ),
+    what="Kinat 2023 with the defaults of the MATLAB RL Toolbox where the thesis names none",
+)
+"""The recipe `thesis` with what that toolbox does when nobody says otherwise: Adam with an epsilon
+of 1e-8 and L2 of 1e-4, a last layer that begins at its full size, an input layer for each channel.
+And with the thesis's own criterion for stopping, an episode that pays both agents 1000, which no
+episode can. (The defaults are recalled from its manual; ASSUMPTION.)
+"""
+
+APPENDIX = replace(
+    THESIS,
+    config=replace(
+        THESIS.config,
+        stages=(
+            THESIS.config.stages[0],
+            Stage(episodes=1300, entropy=0.01, learning_rate=1e-4, normalise_advantages=False),
+        ),
+    ),
+    what="Kinat 2023 with the two stages of its appendix: 800 episodes, then 1300 at entropy 0.01",
+)
+"""The stages as the appendix's code has them, the second one commented out there."""
 
 STATION = StationRecipe(
     Config(

@@ -15,7 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from tandem.lab.kinat2023.game import thesis_cell
-from tandem.lab.kinat2023.recipe import STATION, THESIS, StationRecipe, varied
+from tandem.lab.kinat2023.recipe import (
+    APPENDIX,
+    STATION,
+    THESIS,
+    TOOLBOX,
+    StationRecipe,
+    varied,
+)
 from tandem.lab.records import kept_record
 
 FACTORS = (0, 1, 5)
@@ -27,10 +34,17 @@ VARIANTS: dict[str, StationRecipe] = {
     "thesis, normalised advantages": varied(THESIS, normalise_advantages=True),
     "thesis, scaled observations": varied(THESIS, sees="scaled"),
     "thesis, rewards of table 5-2": varied(THESIS, rewards="table_5_2"),
+    "thesis, toolbox defaults": TOOLBOX,
 }
 """The thesis's recipe as it is written, and with one thing otherwise each: its text and code leave
 them open.
 """
+
+FURTHER: dict[str, StationRecipe] = {
+    "thesis, two stages of the appendix": APPENDIX,
+    "thesis, bounds 3600 and 100": varied(THESIS, sees="bounded"),
+}
+"""Variants that run when they are asked for by name; the stored result has no row of them."""
 
 OURS = "tandem"
 LIMIT = 1400
@@ -71,7 +85,7 @@ def run_thesis(
     from tandem.lab.kinat2023.learn_env import StationWorld
     from tandem.learn.ppo import ppo
 
-    recipe = recipe or VARIANTS[variant]
+    recipe = recipe or (VARIANTS | FURTHER)[variant]
     world = StationWorld.of(thesis_cell(), recipe, stress_factor=factor)
     began = time.process_time()
     train_key, play_key = jax.random.split(jax.random.key(seed))
@@ -150,7 +164,8 @@ def record(
     returns, the joint actions. `sampled`: of 100 episodes the share that ended, the mean makespan
     and stress of those, and how often each pair came. `best_of_n`: the pair of the sampled episode
     with the largest sum of returns. `curve`: per 30 episodes the mean return of robot and human,
-    and the critics' value of the first state at their end.
+    and the critics' value of the first state at their end. `every_episode`: where the agents learn
+    after each, see `_every_episode`; else None.
     """
     import numpy as np
 
@@ -196,6 +211,7 @@ def record(
         if done.any()
         else None,
         "curve": _curve(history),
+        "every_episode": _every_episode(history) if recipe.config.stop_at_end else None,
     }
 
 
@@ -225,6 +241,20 @@ def _curve(history: Any, window: int = 30) -> Mapping[str, list[Any]]:
             )
             since, weighted, count = int(total[index]), weighted * 0, 0.0
     return curve
+
+
+def _every_episode(history: Any) -> dict[str, list[Any]]:
+    """Per episode what robot and human were paid (`returns`) and what their critics thought the
+    first state worth before it (`first_value`; of the first episode, after it), in whole numbers.
+    """
+    import numpy as np
+
+    ended = np.flatnonzero(np.asarray(history.episodes))
+    before = np.maximum(ended - 1, 0)
+    return {
+        "returns": np.rint(np.asarray(history.returns)[ended]).astype(int).tolist(),
+        "first_value": np.rint(np.asarray(history.first_value)[before]).astype(int).tolist(),
+    }
 
 
 # --- Compiled once, for every factor and seed ---

@@ -18,6 +18,7 @@ from tandem.lab.kinat2023.players import costs, players
 from tandem.lab.kinat2023.recipe import StationRecipe
 from tandem.lab.kinat2023.station import whole_ticks
 from tandem.learn.algorithm import Row, TrainingOrder
+from tandem.learn.networks import joined
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import play, ppo
 from tandem.learn.ppo.config import Config
@@ -95,7 +96,9 @@ class Trainee:
     def save_policy(self, learners: ppo.Learner, index: int, path: Path) -> None:
         """The actors, for NumPy."""
         order, config = self.order, self.config
-        actor = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters["actor"])
+        actor = joined(
+            jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters["actor"])
+        )
         notes = {
             "kind": "station",
             "cell": order.cell.name,

@@ -40,7 +40,8 @@ class Rewards(NamedTuple):
 
     step: every tick, each agent.
     task_done: the agent whose task ends.
-    illegal: once for each rule that the named task breaks; they add up.
+    illegal: once for each rule that the named task breaks; they add up. One number, or three: for
+      naming a task while busy, one with an open dependency, one whose own time is 0.
     idle: a free agent that names no task.
     all_done: each agent, in the tick that ends the last task.
     stress_factor: the ergonomic factor f; starting task i pays the robot +e_i f and the human -e_i
@@ -93,19 +94,29 @@ class Info(NamedTuple):
     ticks: Array
 
 
-def reset(station: Station) -> State:
+def reset(station: Station, doing: Array | None = None) -> State:
     """The assembly before its first tick. One tick is taken off every time that is not 0, as the
     thesis does.
+
+    Args:
+      doing: `[2]` int, numbers of tasks that robot and human have in hand already, 0 = none. They
+        begin now, as if they had been named in a tick before the first, so each ends a tick sooner
+        than it takes; their stress counts, and the other agent's time for them is 0. Assumes that
+        each can do its task and that they are not the same.
     """
     xp = namespace(station.time)
     tasks = station.time.shape[1]
-    return State(
+    empty = State(
         time=station.time - (station.time > 0),
         doing=xp.zeros(2, xp.int32),
         ended=xp.zeros(tasks, bool),
         clock=xp.zeros((), xp.int32),
         stress=xp.zeros((), xp.float32),
     )
+    if doing is None:
+        return empty
+    named = xp.asarray(doing, dtype=xp.int32)
+    return _begin(station, empty, _one_hot(xp, named, tasks), named)[0]
 
 
 def legal(station: Station, state: State) -> Array:
@@ -145,11 +156,12 @@ def step(
     xp = namespace(state.time)
     chosen = _one_hot(xp, action, state.ended.shape[0])
     busy, names = state.doing != 0, action != 0
-    broken = (
-        (busy & names).astype(xp.int32)
-        + xp.any(chosen & _blocked(station, state)[None, :], axis=1)
-        + (names & ~xp.any(chosen & (state.time > 0), axis=1))
+    rules = (
+        (busy & names).astype(xp.int32),
+        xp.any(chosen & _blocked(station, state)[None, :], axis=1),
+        names & ~xp.any(chosen & (state.time > 0), axis=1),
     )
+    broken = rules[0] + rules[1] + rules[2]
     lawful = broken == 0
     idle = (~busy & ~names).astype(xp.int32)
     moved, finished = run(state, lawful.astype(xp.int32), xp.ones((), xp.int32))
@@ -159,7 +171,7 @@ def step(
     done = is_done(after)
     reward = (
         rewards.step
-        + rewards.illegal * broken
+        + _fined(rewards.illegal, rules, broken)
         + rewards.idle * idle
         + rewards.task_done * (finished != 0)
         + rewards.all_done * done
@@ -174,6 +186,13 @@ def step(
         ticks=xp.ones((), xp.int32),
     )
     return after, reward.astype(xp.float32), done, info
+
+
+def _fined(illegal: Array, rules: tuple[Array, Array, Array], broken: Array) -> Array:
+    """`[2]`, what the broken rules cost: each alike, or each its own."""
+    if isinstance(illegal, tuple):
+        return illegal[0] * rules[0] + illegal[1] * rules[1] + illegal[2] * rules[2]
+    return illegal * broken
 
 
 def is_done(state: State) -> Array:

@@ -105,6 +105,7 @@ def _document(
         records / "plain.json",
         lambda: games.plain(test, games=random_games, desk_games=desk_games, seed=0),
     )
+    document["rules"] = kept_record(records / "rules.json", lambda: games.by_best_rule(test))
     files = list(runs.run_all(records, seeds, boards, sizes, tell))
     untrained = [
         kept_record(
@@ -176,7 +177,7 @@ def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:
             }  # fmt: skip
         return {**found, "desk": list(on_desk)}
 
-    for one in document["plain"]:
+    for one in [*document["plain"], *document.get("rules", ())]:
         rows.append(row(one["player"], None, [one["boards"]], [one["desk"]]))
     for recipe in runs.RECIPES:
         for place in ("nothing", "boards", "desk"):

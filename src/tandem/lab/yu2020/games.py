@@ -18,6 +18,8 @@ from tandem.lab.yu2020.optimal import optimum, replanning
 from tandem.lab.yu2020.play import by_rule, makespans, play
 from tandem.lab.yu2020.players import PLAYERS
 from tandem.lab.yu2020.world import Fate
+from tandem.learn.baseline import best_rule
+from tandem.plan.rules import RULES
 
 Tell = Callable[[str], None]
 Decider = Callable[[Fate | None], NDArray[Any]]
@@ -56,6 +58,22 @@ def proven(seeds: Sequence[int]) -> dict[str, Any]:
             "makespans": [one.makespan for one in found], "states": [one.states for one in found],
             "cpu_s_each": round(spent / len(found), 3),
         }  # fmt: skip
+    return rows
+
+
+def by_best_rule(seeds: Sequence[int]) -> list[dict[str, Any]]:
+    """The best dispatch rule of Tandem on these boards and the desk, and the best of a hundred
+    drawn schedules alone: seconds. They plan the cell, in which agents may wait; the game's own
+    rules are in `plain`.
+    """
+    rows = []
+    for player, among in (("best rule", tuple(RULES)), ("best-of-n", ("best-of-n",))):
+        took = []
+        for board in [*boards(seeds), desk()]:
+            rule = best_rule(board.to_cell(), lambda makespan, _: makespan, among=among)
+            assert rule is not None  # boards know no limits
+            took.append(rule.result.makespan)
+        rows.append({"player": player, "boards": took[:-1], "desk": took[-1]})
     return rows
 
 

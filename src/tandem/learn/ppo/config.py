@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Annotated, Any
@@ -33,8 +34,8 @@ Steps = Annotated[int, Field(ge=1, le=MOST_STEPS)]
 @checked
 @dataclass(frozen=True)
 class Stage:
-    """A stretch of the training. It ends with `episodes` or `steps`, whichever comes first; one of
-    them may be None.
+    """A stretch of the training. It ends with `episodes`, `steps` or `stop_return`, whichever comes
+    first; of the first two one may be None.
 
     Attributes:
       episodes: finished episodes.
@@ -43,6 +44,8 @@ class Stage:
       learning_rate: of the optimiser.
       idle: what an agent is paid for a tick in which it is free and names no task.
       normalise_advantages: bring the advantages of a rollout to mean 0 and spread 1, per agent.
+      stop_return: the stage ends once every agent's return of the episodes that a rollout ended (on
+        the mean; with `stop_at_end` it is one episode) is this much; None for never.
     """
 
     episodes: Count | None = None
@@ -51,6 +54,7 @@ class Stage:
     learning_rate: Positive = 1e-4
     idle: float = 0.0
     normalise_advantages: bool = True
+    stop_return: float | None = None
 
     def __post_init__(self) -> None:
         if self.episodes is None and self.steps is None:
@@ -66,6 +70,7 @@ class Stage:
             bool(self.normalise_advantages),
             self.episodes or most,
             self.steps or most,
+            math.inf if self.stop_return is None else float(self.stop_return),
         )
 
 
@@ -88,6 +93,13 @@ class Config:
       value_weight: of the critic's loss.
       gradient_limit: largest norm of an agent's gradient, actor and critic together; None for no
         limit.
+      adam_epsilon: what Adam adds to the root of the second moment.
+      l2: weight of half the squared weights in the loss, biases aside; through Adam's moments, as
+        part of the gradient.
+      small_start: the actor's last layer begins at this share of its size: a small number makes a
+        first policy that prefers nothing.
+      layer_per_channel: each channel of the observation has a first layer of its own, and the
+        second sees them all. A world says their sizes as `channels`; one that does not has one.
       hidden: units of the hidden layers, of actors and critics alike.
       activation: "relu" or "tanh".
       masked: illegal actions have probability 0, both when acting and when learning.
@@ -115,12 +127,18 @@ class Config:
     normalise_returns: bool = True
     share_actor: bool = False
     share_critic: bool = False
+    adam_epsilon: Positive = 1e-5
+    l2: NotNegative = 0.0
+    small_start: Positive = 0.01
+    layer_per_channel: bool = False
 
     def __post_init__(self) -> None:
         must_hold(self.faults())
 
     def faults(self) -> Iterator[str]:
         """What is wrong with settings that each are right."""
+        if self.layer_per_channel and (self.share_actor or self.share_critic):
+            yield "layer_per_channel: a network that agents share has no channels of its own."
         if self.stop_at_end and self.environments != 1:
             yield f"stop_at_end: needs environments = 1, not {self.environments}."
         if self.environments * self.horizon > MOST_STEPS:

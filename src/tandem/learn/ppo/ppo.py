@@ -140,7 +140,9 @@ def start(key: Array, world: World, config: Config) -> Learner:
     agents = len(world.agents)
     actor_key, critic_key, reset_key, key = jax.random.split(key, 4)
     parameters = {
-        "actor": _networks(actor_key, world, config, world.actions, config.share_actor, last=0.01),
+        "actor": _networks(
+            actor_key, world, config, world.actions, config.share_actor, last=config.small_start
+        ),
         "critic": _networks(critic_key, world, config, 1, config.share_critic, last=1.0),
     }
     zero = jnp.zeros((), jnp.int32)
@@ -159,13 +161,19 @@ def start(key: Array, world: World, config: Config) -> Learner:
 
 
 def optimiser(config: Config) -> optax.GradientTransformation:
-    """Adam, behind a limit on the gradient's norm when there is one. The learning rate is the
-    stage's and applied outside.
+    """Adam, behind a limit on the gradient's norm when there is one, and behind what keeps the
+    weights small. The learning rate is the stage's and applied outside.
     """
     limit = (
         [] if config.gradient_limit is None else [optax.clip_by_global_norm(config.gradient_limit)]
     )
-    return optax.chain(*limit, optax.scale_by_adam(eps=1e-5))
+    small = [optax.add_decayed_weights(config.l2, _weights)] if config.l2 else []
+    return optax.chain(*small, *limit, optax.scale_by_adam(eps=config.adam_epsilon))
+
+
+def _weights(network: Perceptron) -> Any:
+    """True for a weight, False for a bias."""
+    return jax.tree_util.tree_map_with_path(lambda way, _: way[-1].key == "weight", network)
 
 
 def shared(config: Config, name: str) -> bool:
@@ -197,7 +205,9 @@ def update(learner: Learner, world: World, config: Config) -> tuple[Learner, Rep
     steps = jnp.sum(batch.valid[0]).astype(jnp.int32)
     episodes = ended.episodes.astype(jnp.int32)
     stage_episodes, stage_steps = learner.stage_episodes + episodes, learner.stage_steps + steps
-    over = (stage_episodes >= stage.episodes) | (stage_steps >= stage.steps)
+    returns = ended.returns / jnp.maximum(ended.episodes, 1)
+    enough = (ended.episodes > 0) & jnp.all(returns >= stage.stop_return)
+    over = (stage_episodes >= stage.episodes) | (stage_steps >= stage.steps) | enough
     # whoever has used up a stage's episodes or steps goes on to the next, its counts at 0
     after = learner._replace(
         parameters=parameters,
@@ -629,7 +639,7 @@ def _descend(
     for name in parameters:
         step = lambda pair: optimiser(config).update(*pair)  # noqa: E731
         change, moments_after[name] = _each(
-            step, (gradient[name], moments[name]), shared(config, name)
+            step, (gradient[name], moments[name], parameters[name]), shared(config, name)
         )
         after[name] = jax.tree.map(lambda old, by: old - rate * by, parameters[name], change)
     return after, moments_after
@@ -643,8 +653,10 @@ def _networks(
 ) -> Perceptron:
     inputs = world.observation_size + (len(world.agents) if is_shared else 0)
     sizes = (inputs, *config.hidden, outputs)
-
+    # a world that names no channels has one, and that is the usual first layer
+    channels = tuple(getattr(world, "channels", ())) if config.layer_per_channel else ()
     weights = sum(a * b for a, b in itertools.pairwise(sizes))
+    weights += max(0, len(channels) - 1) * sizes[1] * sizes[2]
     # one draw: each compiles for a second
     uniform = jax.random.uniform(key, (1 if is_shared else len(world.agents), weights), minval=-1.0)
 
@@ -656,7 +668,7 @@ def _networks(
             taken += shape[0] * shape[1]
             return uniform[taken - shape[0] * shape[1] : taken].reshape(shape)
 
-        return init(draw, sizes, last)
+        return init(draw, sizes, last, channels)
 
     return one(uniform[0]) if is_shared else jax.vmap(one)(uniform)
 
