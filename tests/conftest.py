@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import atexit
 import os
 import shutil
 import sys
-import tempfile
 from collections.abc import Generator, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,18 +16,23 @@ from hypothesis.database import DirectoryBasedExampleDatabase
 from tandem.cli.compiled import keep_compiled
 
 if "PYTEST_XDIST_WORKER" not in os.environ and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-    # What one test, worker or command has compiled the others need not: JAX and every command read
-    # these variables.
-    compiled = tempfile.mkdtemp(prefix="tandem-compiled-")
-    os.environ["JAX_COMPILATION_CACHE_DIR"] = compiled
+    # What one test, worker, command or earlier run has compiled the others need not: JAX and every
+    # command read these variables. Compiling is three quarters of the time of a small training.
+    compiled = Path(__file__).resolve().parents[1] / ".pytest_cache" / "compiled"
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = str(compiled)
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
     keep_compiled()
-    atexit.register(shutil.rmtree, compiled, ignore_errors=True)
 
 # What is compiled for a test runs for milliseconds: most optimisations would cost more than they
 # bring, and change nothing but speed.
 os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
+# XLA's older way to write loops takes a third of the time to compile, and one thread, not many.
+os.environ.setdefault(
+    "XLA_FLAGS",
+    "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1",
+)
 
-pytest_plugins = ["tests.changed"]
+pytest_plugins = ["tests.changed", "tests.longest_first"]
 
 # No deadline: a busy machine is no fault of the code. The suite draws the same in every run, and
 # `dev.py fuzz properties` draws anew.

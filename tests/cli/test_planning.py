@@ -11,11 +11,13 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import chdir
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
-from tandem.cli.root import VERBS
+from tandem.cli.root import VERBS, run
 
 ROOT = Path(__file__).parents[2]
 THESIS = ROOT / "examples" / "thesis.yaml"
@@ -24,7 +26,23 @@ THESIS = ROOT / "examples" / "thesis.yaml"
 def tandem(
     *arguments: object, stdin: str | None = None, cwd: Path | None = None, **env: str
 ) -> subprocess.CompletedProcess[str]:
-    """Runs the command line; asserts that nobody ever sees a traceback."""
+    """Runs the command line in this process; asserts that nobody ever sees a traceback."""
+    asked = [str(part) for part in arguments]
+    with chdir(cwd or Path.cwd()), CliRunner().isolation(stdin, env) as (out, err, _):
+        code = run(asked)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        said = [stream.getvalue().decode() for stream in (out, err)]
+    assert "Traceback" not in said[1]
+    return subprocess.CompletedProcess(asked, code, *said)
+
+
+def process(
+    *arguments: object, stdin: str | None = None, cwd: Path | None = None, **env: str
+) -> subprocess.CompletedProcess[str]:
+    """Runs the command line as a user does, where what a process inherits, prints or draws anew is
+    the subject.
+    """
     command = [sys.executable, "-m", "tandem.cli", *map(str, arguments)]
     done = subprocess.run(
         command,
@@ -40,7 +58,7 @@ def tandem(
 
 
 def test_plan_prints_one_document_and_nothing_else_on_stdout():
-    done = tandem("plan", THESIS, "--json")
+    done = process("plan", THESIS, "--json")
     assert done.returncode == 0
     document = json.loads(done.stdout)
     assert {
@@ -105,7 +123,7 @@ def test_plan_for_people_fits_eighty_columns_without_colour():
 
 
 def test_a_cell_can_come_through_a_pipe():
-    done = tandem("plan", "-", "--json", "-q", stdin=THESIS.read_text())
+    done = process("plan", "-", "--json", "-q", stdin=THESIS.read_text())
     assert json.loads(done.stdout)["complete"] is True
 
 
@@ -153,7 +171,7 @@ def test_a_seed_and_a_limit_on_work_print_the_same_document_again():
 
 
 def test_a_fresh_process_shows_the_same_schedules_with_any_number_of_workers():
-    runs = [json.loads(tandem("plan", THESIS, "--json", "--workers", n).stdout) for n in (1, 2, 4)]
+    runs = [json.loads(process("plan", THESIS, "--json", "--workers", n).stdout) for n in (1, 2, 4)]
     for document in runs:
         del document["wall_s"]
     assert runs[0] == runs[1] == runs[2]

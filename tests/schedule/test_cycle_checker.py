@@ -120,7 +120,7 @@ def test_a_pattern_is_sound_when_its_products_are_on_one_clock():
     pattern does. A task is put elsewhere, or the cycle is made shorter or longer.
     """
     random, broken, sound = Random(1), 0, 0
-    for seed in range(150):
+    for seed in range(60):
         _, data = drawn(seed)
         for operator in data["operators"].values():
             operator.pop("stress_limit", None)  # a limit for each product is none for all of them
@@ -142,8 +142,8 @@ def test_a_pattern_is_sound_when_its_products_are_on_one_clock():
                 assert bool(faults(cell, changed)) == bool(on_one_clock), (seed, changed)
                 broken += bool(on_one_clock)
                 sound += not on_one_clock
-    assert broken > 400
-    assert sound > 200
+    assert broken > 160
+    assert sound > 80
 
 
 def _changed(random: Random, periodic: PeriodicSchedule) -> list[PeriodicSchedule]:

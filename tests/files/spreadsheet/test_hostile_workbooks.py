@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from openpyxl.utils import get_column_letter
 from tests.files.spreadsheet import books
 
 from tandem.errors import CellError
@@ -227,10 +228,13 @@ def test_a_stated_separator_is_taken_with_every_end_of_line(tmp_path: Path, endi
 
 
 def test_a_sheet_of_too_many_cells_is_passed_over_with_its_reason(tmp_path: Path) -> None:
-    path = books.sheet(
-        tmp_path / "book.xlsx", [[*ROWS[0], *["x"] * 300], *[["a", 1, 2, None, *[7] * 300]] * 1_700]
+    columns = [get_column_letter(column) for column in range(1, 305)]
+    rows = (
+        "".join(f'<c r="{column}{row}"><v>7</v></c>' for column in columns)
+        for row in range(4, 1_702)
     )
-    passed_over = open_book(path).passed_over
+    more = "".join(f"<row>{cells}</row>" for cells in rows)
+    passed_over = open_book(edited(tmp_path / "book.xlsx", behind(more))).passed_over
     assert {sheet: str(why) for sheet, why in passed_over.items()} == {
         "Sheet1": "it has 517,104 cells, and Tandem reads at most 500,000"
     }

@@ -228,7 +228,7 @@ def spelled_out(cell: Cell) -> Any:
     return data
 
 
-@settings(max_examples=150, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate])
+@settings(max_examples=60, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(st.one_of(cells(max_tasks=6), dressed()), st.sampled_from(("en", "de")))
 def test_export_and_import_give_the_same_cell(cell: Cell, lang: str) -> None:
     """Also in German, and under names that look like totals, groups, lists or joint ways."""
