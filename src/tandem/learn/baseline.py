@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from tandem.cell.model import Cell
 from tandem.errors import NothingFoundError
 from tandem.plan.methods import plan
+from tandem.plan.question import Question
 from tandem.plan.result import Result
 from tandem.plan.rules import RULES
 
@@ -24,7 +25,11 @@ class BestRule:
 
 
 def best_rule(
-    cell: Cell, cost: Callable[[float, float], float], *, seed: int = 0
+    cell: Cell,
+    cost: Callable[[float, float], float],
+    *,
+    seed: int = 0,
+    question: Question | None = None,
 ) -> BestRule | None:
     """The dispatch rule whose schedule costs least, `best-of-n` among them, which draws a hundred:
     it takes 0.03 to 0.8 s a cell and learns nothing.
@@ -34,13 +39,14 @@ def best_rule(
 
     Args:
       cost: of a makespan (s) and a stress.
+      question: what every rule is asked; all compromises when not given.
     """
     found = []
     for name in RULES:
         if name in DRAWN:
             continue
         try:
-            front = plan(cell, method=name, seed=seed)
+            front = plan(cell, question, method=name, seed=seed)
         except NothingFoundError:
             continue
         for result in front:
