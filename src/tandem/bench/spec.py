@@ -107,9 +107,8 @@ def read_spec(path: str | Path | None = None, **given: Any) -> Spec:
     given takes the place of the file's. Files are looked for beside the one that names them.
 
     Raises:
-      CellError: the file is not of this form, or names what is not there or cannot be read; with
-        every fault.
-      UsageError: the same of what was given without a file.
+      CellError: a file is not of its form, or names what is not there; with every fault.
+      UsageError: no file, and what is given does not hold.
     """
     document = None if path is None else _document(Path(path))
     data = {} if document is None else document.plain()
@@ -125,9 +124,16 @@ def read_spec(path: str | Path | None = None, **given: Any) -> Spec:
     spec = reader.spec()
     if not reader.faults:
         return spec
-    if document is not None:
-        raise CellError(reader.faults)
+    if document is not None or reader.bad_file:
+        raise CellError(sorted(reader.faults, key=_line_of))
     raise UsageError("\n".join(map(str, reader.faults)))
+
+
+def _line_of(fault: Fault) -> tuple[str, int]:
+    """File and line, so that faults are told in the order in which they stand there."""
+    file, _, rest = fault.place.partition(":")
+    line = rest.partition(":")[0]
+    return file, int(line) if line.isdigit() else 0
 
 
 def _document(path: Path) -> Document:
@@ -157,6 +163,7 @@ class _Reader:
     ) -> None:
         self.document, self.given = document, given
         self.data = {**data, **given}
+        self.bad_file = False  # one that the sweep names
         self.faults: list[Fault] = [] if document is None else list(document.faults)
 
     def spec(self) -> Spec:
@@ -256,6 +263,7 @@ class _Reader:
                     cell = read()
                 except CellError as error:
                     self.faults += error.faults
+                    self.bad_file = True
                     continue
                 except UsageError as error:
                     self.note(path, str(error))
@@ -330,6 +338,7 @@ class _Reader:
                     crowd(spec, names, names.arrays())
                 except CellError as error:
                     faults += error.faults
+                    self.bad_file = True
                 except TandemError as error:
                     self.note(path, f"{text!r} beside {label!r}: {error}")
             self.faults += dict.fromkeys(faults)

@@ -43,7 +43,7 @@ from tandem.bench.statistics import (
 from tandem.errors import UsageError
 
 SCHEMA_VERSION = 1
-STEPS = 60
+STEPS = 200
 """Places of a performance profile."""
 AT_LEAST = 1e-9
 """A cost that is so little above the optimum is the optimum."""
