@@ -97,6 +97,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "policies_command",
         "List the policies: who can decide live.",
     ),
+    "bench": (
+        "tandem.cli.bench",
+        "bench_command",
+        "Sweep methods and policies over cells, seeds and people.",
+    ),
     "methods": ("tandem.cli.planning", "methods_command", "List the methods of planning."),
     "generate": (
         "tandem.cli.cells",

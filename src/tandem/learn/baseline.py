@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from tandem.cell.model import Cell
 from tandem.errors import NothingFoundError
 from tandem.plan.methods import plan
+from tandem.plan.question import Question
 from tandem.plan.result import Result
 from tandem.plan.rules import RULES
 
@@ -29,6 +30,7 @@ def best_rule(
     *,
     seed: int = 0,
     among: Iterable[str] = RULES,
+    question: Question | None = None,
 ) -> BestRule | None:
     """The dispatch rule whose schedule costs least, `best-of-n` among them, which draws a hundred:
     it takes 0.03 to 0.8 s a cell and learns nothing.
@@ -39,13 +41,14 @@ def best_rule(
     Args:
       cost: of a makespan (s) and a stress.
       among: names of rules; all of them when absent.
+      question: what every rule is asked; all compromises when not given.
     """
     found = []
     for name in among:
         if name in DRAWN:
             continue
         try:
-            front = plan(cell, method=name, seed=seed)
+            front = plan(cell, question, method=name, seed=seed)
         except NothingFoundError:
             continue
         for result in front:

@@ -26,25 +26,28 @@ PLANNING_WORK_S = 6.0
 """The same where humans need other times than stated, in CP-SAT's deterministic seconds."""
 
 
-def optimum(cell: Cell, objective: Objective, person: Person) -> float | None:
+def optimum(
+    cell: Cell, objective: Objective, person: Person, work: float | None = None
+) -> float | None:
     """The least expected cost beside this person, of a decider who knows all about it; times
     certain. None where it cannot be computed.
 
     People whose times or habits change during the shift, or who make mistakes or refuse for good,
     have none. Beside whoever complies it is the cell's proven optimum at their pace, whatever the
-    size; beside others the cell must be small.
+    size; beside others the cell must be small. `work` limits that proof by work (CP-SAT's
+    deterministic seconds) instead of `PLANNING_S`, so that it repeats exactly.
     """
     human = as_modelled(person)
     if human is None:
         return None
     pace = dict.fromkeys(cell.humans, float(person.pace))
     if len(cell.tasks) > MOST_TASKS:
-        return _planned(cell, objective, pace) if complies(human) else None
+        return _planned(cell, objective, pace, work) if complies(human) else None
     try:
         found = values(cell, human, objective, pace=pace)
         return found.value(found.moves.root())
     except (CellError, NothingFoundError):
-        return _planned(cell, objective, pace) if complies(human) else None
+        return _planned(cell, objective, pace, work) if complies(human) else None
 
 
 def as_modelled(person: Person) -> Human | None:
@@ -75,12 +78,14 @@ def complies(human: Human) -> bool:
     )
 
 
-def _planned(cell: Cell, objective: Objective, pace: dict[str, float]) -> float | None:
+def _planned(
+    cell: Cell, objective: Objective, pace: dict[str, float], work: float | None
+) -> float | None:
     """The proven optimum of the plan at this pace, deadlines aside; None when it was not proven in
     time.
     """
     if all(factor == 1 for factor in pace.values()):
-        return _as_stated(cell, objective)
+        return _as_stated(cell, objective, work)
     moves = Moves.of(cell, pace, max_stress=objective.max_stress)
     left = rest(moves, moves.root())
     assert left is not None  # a cell has a task
@@ -96,7 +101,7 @@ def _planned(cell: Cell, objective: Objective, pace: dict[str, float]) -> float 
     )
 
 
-def _as_stated(cell: Cell, objective: Objective) -> float | None:
+def _as_stated(cell: Cell, objective: Objective, work: float | None) -> float | None:
     """The same at the stated times, for which the planner itself can be asked. Deadlines rule out
     nothing on the floor.
     """
@@ -112,7 +117,14 @@ def _as_stated(cell: Cell, objective: Objective) -> float | None:
         }
     )
     try:
-        best = plan(free, objective.question(), time_limit=PLANNING_S, workers=1, confirm=False)[0]
+        best = plan(
+            free,
+            objective.question(),
+            time_limit=PLANNING_S,
+            work=work,
+            workers=1,
+            confirm=False,
+        )[0]
     except (InfeasibleError, NothingFoundError):
         return None
     return objective.cost(best.makespan, best.stress) if objective.is_proven(best) else None

@@ -51,6 +51,7 @@ class Trial:
         `expected` is told how often.
       fewer: decider -> its own, smaller number of episodes, for those who take long; they are
         compared over these.
+      yardstick: the exact optimum is computed, too.
     """
 
     policies: Mapping[str, Maker]
@@ -61,6 +62,7 @@ class Trial:
     chance: Chance = OFF
     options: Options = field(default_factory=Options)
     fewer: Mapping[str, int] = field(default_factory=dict)
+    yardstick: bool = True
 
     def __post_init__(self) -> None:
         if not self.policies or not self.people:
@@ -125,6 +127,7 @@ def judge(
     options: Options | None = None,
     fewer: Mapping[str, int] | None = None,
     tell: Callable[[str], None] = lambda _: None,
+    yardstick: bool = True,
 ) -> list[dict[str, Any]]:
     """One document for each description of people; see `docs/dispatch.md` for what stands in it.
 
@@ -142,6 +145,8 @@ def judge(
       fewer: decider -> its own, smaller number of episodes, for those who take long; they are
         compared over these.
       tell: hears whose turn it is.
+      yardstick: the exact optimum is computed where it can be. Leave it out where it is known:
+        `mean_optimum` gives it alone.
 
     Raises:
       UsageError: an unknown decider or description, or a decider of your own that fails, with the
@@ -158,6 +163,7 @@ def judge(
         chance,
         options or Options(),
         fewer or {},
+        yardstick,
     )
     names = Names.of(cell)
     crowds = [crowd(spec, names, names.arrays()) for spec in trial.people]
@@ -177,7 +183,7 @@ def _document(
     draw = Draw.of(names, arrays, trial.chance)
     # people and chances are drawn before anybody decides, so that all deciders meet the same ones
     persons = people.draw(np.random.default_rng(trial.seed), trial.episodes)
-    best = best_of(cell, trial, persons)
+    best = best_of(cell, trial.objective, trial.chance, persons) if trial.yardstick else None
     stage = EpisodeBatch.of(names, arrays, draw, persons, trial.seed)
     told = replace(
         trial.options,
@@ -255,13 +261,39 @@ def _planned(chosen: Chosen | None) -> dict[str, Any]:
     }
 
 
-def best_of(cell: Cell, trial: Trial, persons: Person) -> Any:
-    """`[E]`, per episode the exact optimum beside its person; None where it cannot be computed."""
-    if (
-        trial.chance.spread != "off"
-        or trial.chance.failure_s is not None
-        or trial.chance.absence_s is not None
-    ):
+def mean_optimum(
+    cell: Cell,
+    people: str,
+    episodes: int,
+    seed: int,
+    *,
+    objective: Objective = SECONDS,
+    work: float | None = None,
+) -> float | None:
+    """The exact optimum that `judge` holds deciders against, mean over its episodes; None where it
+    cannot be computed.
+
+    Args:
+      work: the limit for proving what is too large for dynamic programming, CP-SAT's deterministic
+        seconds; None for the judge's own limit, which asks a clock.
+    """
+    names = Names.of(cell)
+    persons = crowd(people, names, names.arrays()).draw(np.random.default_rng(seed), episodes)
+    best = best_of(cell, objective, OFF, persons, work)
+    return None if best is None else float(best.mean())
+
+
+def best_of(
+    cell: Cell,
+    objective: Objective,
+    chance: Chance,
+    persons: Person,
+    work: float | None = None,
+) -> Any:
+    """`[E]`, per episode the exact optimum beside its person; None where it cannot be computed.
+    `work`: as `optimum` takes it.
+    """
+    if chance.spread != "off" or chance.failure_s is not None or chance.absence_s is not None:
         return None
     rows = np.concatenate(
         [np.asarray(part, np.float64).reshape(len(persons.pace), -1) for part in persons], axis=1
@@ -272,7 +304,7 @@ def best_of(cell: Cell, trial: Trial, persons: Person) -> Any:
     found = []
     for number in range(len(distinct)):
         first = int(np.flatnonzero(which == number)[0])
-        found.append(optimum(cell, trial.objective, Person(*(part[first] for part in persons))))
+        found.append(optimum(cell, objective, Person(*(part[first] for part in persons)), work))
     return None if any(one is None for one in found) else np.array(found, float)[which]
 
 
