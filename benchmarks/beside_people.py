@@ -5,13 +5,13 @@ and 50 tasks, the same episodes for all of them.
         [--minutes 60] [-o benchmarks/results/beside_people.json]
     python benchmarks/beside_people.py --show benchmarks/results/beside_people.json
 
-Random layered cells of one robot and one human, seeds 0, 1, ... `response` is trained with the
-training part of `benchmarks/people.yaml`, `tandem` (the default recipe) beside somebody who does
-all that is asked, both for the same number of steps, all seeds side by side; a decision of theirs
-is a look or two, whatever the budget. Re-planning counts its work, so many steps for a
-millisecond. The best rule is the schedule of `tandem.learn.baseline.best_rule`, carried out as
-`fixed` carries out the exact plan. `auto` is `replan-robust` where no trained policy is given, and
-`learned` where one is: it decides as they do and is not played again.
+Random layered cells of one robot and one human, seeds 0, 1, ... `response` is trained beside the
+people of its recipe, who are as quick and as random as they like, `tandem` (the default recipe)
+beside somebody who does all that is asked; both for the same number of steps, all seeds side by
+side. A decision of theirs is a look or two, whatever the budget. Re-planning counts its work, so
+many steps for a millisecond. The best rule is the schedule of `tandem.learn.baseline.best_rule`,
+carried out as `fixed` carries out the exact plan. `auto` is `replan-robust` where no trained policy
+is given, and `learned` where one is: it decides as they do and is not played again.
 
 The work is a list of jobs, the smallest first, and a file for each that is done in --folder: what
 was stopped goes on where it was, and --minutes ends it before the next job. Differences are of the
@@ -42,7 +42,7 @@ from tandem.dispatch.deciders.learned import learned
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Basis, Chosen, Decision, Options, Policy
 from tandem.dispatch.deciders.table import policy
-from tandem.dispatch.evaluation.batch import FEW, EpisodeBatch
+from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
@@ -63,7 +63,7 @@ PEOPLE = {
     "random": "random:0.5",
     "population": f"population:{POPULATION}",
 }
-"""Name -> description. Of the population the part that nobody was trained with."""
+"""Name -> description. Of the population the part that is held out."""
 LEARNERS = ("response", "tandem")
 RULES = ("fixed", "longest-tail", "best rule")
 PLANNERS = ("replan", "replan-robust")
@@ -94,8 +94,8 @@ class Settings:
 
 @dataclass(frozen=True)
 class Job:
-    """One thing to do, and the name of its file: a training, a cell's learners, or a decider beside
-    some people.
+    """One thing to do, and the name of its file: a training, what came of it beside all people, or
+    a decider beside some.
     """
 
     tasks: int
@@ -117,11 +117,12 @@ def jobs(settings: Settings) -> Iterator[Job]:
     budgets = [budget for budget, _ in settings.planned]
     for tasks in settings.sizes:
         for cell in range(settings.cells):
-            yield from (Job(tasks, cell, f"train-{recipe}") for recipe in LEARNERS)
-            yield Job(tasks, cell, "learners")
+            yield from (Job(tasks, cell, what) for what in (f"train-{REFERENCE}", REFERENCE))
             for people in PEOPLE:
                 yield from (Job(tasks, cell, rule, people) for rule in RULES)
                 yield from (Job(tasks, cell, one, people, budgets[0]) for one in PLANNERS)
+            for recipe in LEARNERS[1:]:
+                yield from (Job(tasks, cell, what) for what in (f"train-{recipe}", recipe))
     for budget in budgets[1:]:
         for tasks in settings.sizes:
             for cell in range(settings.cells):
@@ -136,15 +137,15 @@ def done(job: Job, settings: Settings, folder: Path) -> dict[str, Any]:
     """What the job's file is to hold."""
     if job.what.startswith("train-"):
         return trained(job, settings, folder)
-    if job.what == "learners":
-        return played_by_learners(job, settings, folder)
+    if job.what in LEARNERS:
+        return played_by_learner(job, settings, folder)
     return played_by_decider(job, settings)
 
 
 def recipe_of(name: str, training: float) -> Recipe:
     """The recipe for that share of `response`'s steps, whichever it is."""
     if name == "response":
-        return longer(replace(RESPONSE, people=f"population:{POPULATION}"), training)
+        return longer(RESPONSE, training)
     return longer(TANDEM, training * STEPS["response"] / STEPS["tandem"])
 
 
@@ -181,9 +182,9 @@ def stage_of(cell: Cell, people: str, settings: Settings) -> EpisodeBatch:
     return EpisodeBatch.of(names, arrays, Draw.of(names, arrays), persons, 0)
 
 
-def played_by_learners(job: Job, settings: Settings, folder: Path) -> dict[str, Any]:
-    """All seeds of both recipes beside all people at once, in JAX; and how long a decision takes at
-    the station, in NumPy, on the situations of a shift.
+def played_by_learner(job: Job, settings: Settings, folder: Path) -> dict[str, Any]:
+    """All seeds of a recipe beside all people at once, in JAX; and how long a decision takes at the
+    station, in NumPy, in two episodes.
     """
     import jax
 
@@ -194,10 +195,8 @@ def played_by_learners(job: Job, settings: Settings, folder: Path) -> dict[str, 
 
     cell = layered(job.tasks, seed=job.cell)
     stages = [stage_of(cell, people, settings) for people in PEOPLE]
-    runs = {name: RunFolder(folder / f"{job.tasks}-{job.cell}" / name) for name in LEARNERS}
-    networks = [
-        Network.load(run.policy(seed)) for run in runs.values() for seed in range(settings.seeds)
-    ]
+    run = RunFolder(folder / f"{job.tasks}-{job.cell}" / job.what)
+    networks = [Network.load(run.policy(seed)) for seed in range(settings.seeds)]
     arrays = stages[0].arrays
 
     def makespans(actor: Any, scenarios: Any, people: Any) -> Any:
@@ -218,17 +217,13 @@ def played_by_learners(job: Job, settings: Settings, folder: Path) -> dict[str, 
     )
     assert bool(np.all(ended))
     seconds = np.asarray(found) / stages[0].names.per_second
-    # [recipe, seed, people, episode]
-    seconds = seconds.reshape(len(LEARNERS), settings.seeds, len(PEOPLE), settings.episodes)
-    timed = Timed(learned(cell, SECONDS, Options(learned=str(runs[REFERENCE].policy(0)))))
-    stages[0].play(timed, min(2, FEW, settings.episodes))
+    seconds = seconds.reshape(settings.seeds, len(PEOPLE), settings.episodes)
+    timed = Timed(learned(cell, SECONDS, Options(learned=str(run.policy(0)))))
+    stages[0].play(timed, min(2, settings.episodes))
     return {
         "makespans": {
-            recipe: {
-                people: [rounded(seconds[r, seed, p]) for seed in range(settings.seeds)]
-                for p, people in enumerate(PEOPLE)
-            }
-            for r, recipe in enumerate(LEARNERS)
+            people: [rounded(row) for row in seconds[:, place]]
+            for place, people in enumerate(PEOPLE)
         },
         "cpu_ms": quantiles(timed.own_ms),
     }
@@ -322,8 +317,8 @@ def seconds_of(results: dict[str, Any], tasks: int, cell: int, people: str, who:
     not played. `who` is a policy, with its budget where it plans: `replan 50 ms`.
     """
     if who in LEARNERS:
-        found = results.get(Job(tasks, cell, "learners").file)
-        return None if found is None else np.array(found["makespans"][who][people])
+        found = results.get(Job(tasks, cell, who).file)
+        return None if found is None else np.array(found["makespans"][people])
     name, _, budget = who.removesuffix(" ms").rpartition(" ")
     job = (
         Job(tasks, cell, name, people, int(budget))
@@ -399,10 +394,10 @@ def tables(document: dict[str, Any]) -> Iterator[str]:
     yield ""
     yield (
         "| tasks | training, CPU s a seed | "
-        + " | ".join(title(who) for who in ("learned", *others[1:]))
+        + " | ".join(title(who) for who in (REFERENCE, *others))
         + " |"
     )
-    yield "|---|---|" + "---|" * len(others)
+    yield "|---|---|---|" + "---|" * len(others)
     for tasks in settings.sizes:
         files = {file: one for file, one in results.items() if file.startswith(f"{tasks}-")}
         if not files:
@@ -412,7 +407,7 @@ def tables(document: dict[str, Any]) -> Iterator[str]:
             for recipe in LEARNERS
             if (mine := [one for file, one in files.items() if file.endswith(f"train-{recipe}")])
         )
-        times = " | ".join(time_words(files, who) for who in ("learners", *others[1:]))
+        times = " | ".join(time_words(files, who) for who in (REFERENCE, *others))
         yield f"| {tasks} | {spent} | {times} |"
 
 
@@ -437,8 +432,8 @@ def time_words(files: dict[str, Any], who: str) -> str:
     name, _, budget = who.removesuffix(" ms").rpartition(" ")
     if who.endswith(" ms"):
         wanted = {f"{name}-{people}-{budget}ms" for people in PEOPLE}
-    elif who == "learners":
-        wanted = {"learners"}
+    elif who in LEARNERS:
+        wanted = {who}
     else:
         wanted = {f"{who.replace(' ', '-')}-{people}" for people in PEOPLE}
     mine = [one["cpu_ms"] for file, one in files.items() if file.partition("/")[2] in wanted]
