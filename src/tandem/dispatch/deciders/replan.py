@@ -17,7 +17,7 @@ import contextlib
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import product
-from math import inf
+from math import inf, log
 from time import perf_counter
 
 from tandem.cell.model import Cell
@@ -37,7 +37,7 @@ from tandem.dispatch.deciders.policy import Chosen, Decision, Options
 from tandem.dispatch.deciders.reply import reply
 from tandem.dispatch.lookahead.branch_and_bound import NOTHING, BranchAndBound, Known
 from tandem.dispatch.lookahead.objective import Objective
-from tandem.dispatch.lookahead.residual import FIRST, Plan, keeps, rest, sketch, solve
+from tandem.dispatch.lookahead.residual import FIRST, Plan, keeps, rest, resumed, sketch, solve
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.lookahead.work import OutOfWorkError, Work
 from tandem.dispatch.situation.model import Situation
@@ -53,6 +53,14 @@ ALL_PACES, ONE_PACE = 0.5, 0.65
 """Shares of the work by which the choices must be valued under every belief, or else under the mean
 pace alone; what is left is for a plan.
 """
+BRIEFLY = 0.1
+"""The same share where too much is open to be valued anew: what was valued before the shift is
+found within it, and a plan gets the rest.
+"""
+GROWTH, FREE = 1.7, 3.0
+"""ASSUMPTION: each further open task takes so many times the steps to value; and so many fewer than
+the steps buy by that are tried.
+"""
 DEAR = 0.2
 """Where the numbers of the cell under one pace take a larger share of the work, stated times have
 to do.
@@ -65,10 +73,16 @@ CPSAT_S = 2e-6
 """CP-SAT's deterministic seconds for a step."""
 LEAST_S = 0.001
 """With less than so many of them CP-SAT finds nothing, and is not asked."""
-MOST_SKETCHES = 60
-"""So many list schedules are made at the most."""
+DRAFTING, MOST_SKETCHES = 0.05, 60
+"""Share of the work for list schedules where CP-SAT searches from the best of them; and the most
+that are made.
+"""
 WARMING = 150_000
 """Steps before the shift, for valuing its first choices; a second or two."""
+GUIDING = 150_000
+"""Steps before the shift for each plan of the whole cell that re-planning then begins from; some
+seconds at the most.
+"""
 OVERDUE_TICKS = 2
 """A robot looks again so many ticks after a human could have finished: who finishes just then is
 heard of first.
@@ -95,7 +109,7 @@ def robust(cell: Cell, objective: Objective, options: Options) -> Robust:
     rule = ByRule("longest-tail", models, objective, options.seed)
     follows = None if options.plan is None else carried_out(models, options.plan)
     made = Robust(models, objective, options, rule, follows)
-    return replace(made, before=made.first_values())
+    return replace(made, before=made.first_values(), guides=made.first_plans())
 
 
 @dataclass(frozen=True)
@@ -125,13 +139,17 @@ def by_plan(
     here: Position,
     work: Work,
     began: float,
+    guides: Sequence[Plan] = (),
 ) -> Decision:
-    """The decision of the best plan that the work which is left finds: list schedules, and CP-SAT
-    from the best of them on where there is work enough for it. The rule's where they find none.
+    """The decision of the best plan that the work which is left finds: what is left of the guides,
+    list schedules, and CP-SAT from the best of them on where there is work enough for it. The
+    rule's where they find none.
 
-    `began`: the `perf_counter` moment at which deciding began.
+    Args:
+      began: the `perf_counter` moment at which deciding began.
+      guides: plans of the whole cell, made before the shift.
     """
-    plan = _planned(policy, moves, situation, here, work)
+    plan = _planned(policy, moves, situation, here, work, guides)
     choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
     # there is always an answer: the rule's, when no plan is found or it begins nothing
     if plan is None or choice is None:
@@ -178,7 +196,12 @@ def _put_off(moves: Moves, here: Position, plan: Plan) -> int | None:
 
 
 def _planned(
-    policy: Replan | Robust, moves: Moves, situation: Situation, here: Position, work: Work
+    policy: Replan | Robust,
+    moves: Moves,
+    situation: Situation,
+    here: Position,
+    work: Work,
+    guides: Sequence[Plan] = (),
 ) -> Plan | None:
     """The best plan that the work finds; it makes one list schedule at least. It keeps what waits
     may last at most where it still can.
@@ -190,10 +213,18 @@ def _planned(
         return None
     weights, seed = _weights(policy.objective, moves), policy.options.seed
     each = SKETCH * len(left.tasks)
-    searching_s = CPSAT_S * (work.left - MODEL * sum(map(len, left.ways)) - len(FIRST) * each)
+    free = work.left - len(guides) * each
+    drafting = max(DRAFTING * free, len(FIRST) * each)
+    searching_s = CPSAT_S * (free - MODEL * sum(map(len, left.ways)) - drafting)
     searches = searching_s > LEAST_S
-    samples = len(FIRST) if searches else round(min(max(work.left / each, 1), MOST_SKETCHES))
-    drafted = sketch(moves, here, weights, samples=samples, seed=seed, due=by)
+    samples = round(min(max((drafting if searches else free) / each, 1), MOST_SKETCHES))
+    drafts = [sketch(moves, here, weights, samples=samples, seed=seed, due=by)]
+    drafts += [resumed(left, guide) for guide in guides]
+    drafted = min(
+        (one for one in drafts if one is not None),
+        key=lambda one: weights[0] * one.ticks + weights[1] * one.units,
+        default=None,
+    )
     if not searches:
         return drafted
     plan = solve(left, weights, work_s=searching_s, hint=drafted, seed=seed)
@@ -241,6 +272,7 @@ class Robust:
     Attributes:
       follows: the plan that is followed while it is good; None for none.
       before: what was valued before the shift, by the model that it was valued in.
+      guides: plans of the whole cell, made before the shift.
     """
 
     models: Models
@@ -249,6 +281,7 @@ class Robust:
     rule: ByRule
     follows: Fixed | None = None
     before: Mapping[Key, Known] = field(default_factory=dict)
+    guides: tuple[Plan, ...] = ()
     name: str = "replan-robust"
 
     @property
@@ -268,6 +301,30 @@ class Robust:
             )
         return {key: search.learned() for key, search in searches.items()}
 
+    def tried(self, situation: Situation, steps: float) -> tuple[float, float]:
+        """Shares of the work by which the choices must be valued under every belief, or else under
+        the mean pace alone. Where too much is open for so many steps, both are small, and a plan
+        gets what they would have cost.
+        """
+        most = log(steps) / log(GROWTH) - FREE
+        return (ALL_PACES, ONE_PACE) if len(situation.open) <= most else (BRIEFLY, BRIEFLY)
+
+    def first_plans(self) -> tuple[Plan, ...]:
+        """Plans of the whole cell, from which re-planning begins: a few milliseconds do not find
+        them again. One for the stated times and one for the pace that is expected; none where a
+        plan is followed.
+        """
+        if self.follows is not None:
+            return ()
+        situation, found = Situation.of(self.models.cell), list[Plan]()
+        expected = estimates(situation, self.options.prior)
+        for paces in ({}, {name: pace.mean for name, pace in expected.items()}):
+            moves = self.models.of(situation, paces)
+            here = position(moves, situation, paces)
+            plan = _planned(self, moves, situation, here, Work(GUIDING), found)
+            found += [] if plan is None else [plan]
+        return tuple(found)
+
     def decide(self, situation: Situation) -> Decision:
         """What begins now."""
         began, work = perf_counter(), Work(self.options.work)
@@ -285,10 +342,8 @@ class Robust:
         # the values of choices know nothing of what a wait may last at most; a plan does
         by_plans = is_dear or moves.instance.has_most_lags
         total, ranked = work.limit, None
-        for beliefs, share in (
-            (paces, ALL_PACES),
-            ({name: _as_one(pace) for name, pace in paces.items()}, ONE_PACE),
-        ):
+        as_one = {name: _as_one(pace) for name, pace in paces.items()}
+        for beliefs, share in zip((paces, as_one), self.tried(situation, total), strict=True):
             work.limit = share * total
             with contextlib.suppress(OutOfWorkError):
                 ranked = None if by_plans else self.ranked(situation, beliefs, work, due)
@@ -298,7 +353,7 @@ class Robust:
         if ranked is None:
             if self.follows is not None and due:
                 return self.follows.unquestioned(self.name, moves, situation, due, began)
-            return by_plan(self, moves, situation, here, work, began)
+            return by_plan(self, moves, situation, here, work, began, self.guides)
         choices, look = ranked
         look_again = None if look is None else situation.now + look / moves.instance.per_second
         return reply(

@@ -356,6 +356,18 @@ def keeps(left: Rest, plan: Plan) -> bool:
     return _appended(left, Layout.of(left.instance), plan) is not None
 
 
+def resumed(left: Rest, plan: Plan) -> Plan | None:
+    """What is left of an earlier plan of the same cell: the same ways in the same order, each as
+    early as it can begin now, whatever people did meanwhile. None where the plan does not say how
+    all of the rest is done, or limits do not let it be.
+    """
+    planned = {way for _, way in plan.begins}
+    if not all(row == (-1,) or planned.intersection(row) for row in left.ways):
+        return None
+    state = _appended(left, Layout.of(left.instance), plan)
+    return None if state is None else _as_plan(left, state, state.makespan, 0.0, False)
+
+
 def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
     """The plan's tasks in its order, what goes on first of all; None where the rest's limits or
     deadlines do not let it be.
