@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
+from functools import cache
 from random import Random
 
 import pytest
@@ -329,6 +330,7 @@ def judged(cell: Cell, shift: list[Assignment]) -> list[str]:
     return checker.faults(Cell.model_validate(document), Schedule(tuple(shift)))
 
 
+@cache
 def random_fronts(seeds: range) -> list[tuple[int, CycleFront]]:
     found = []
     for seed in seeds:

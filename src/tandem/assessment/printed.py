@@ -85,7 +85,7 @@ class _Sheet:
         """Writes the page, and begins the next."""
         self.number += 1
         self.text(WIDTH - MARGIN - 10, HEIGHT - MARGIN + 12, str(self.number), SIZES["table"])
-        self.pages.savefig(self.figure)
+        self.pages.savefig(self.figure)  # type: ignore[no-untyped-call]
         self.figure, self.y = self._blank(), MARGIN
 
     def need(self, height: float) -> None:

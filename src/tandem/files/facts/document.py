@@ -70,8 +70,9 @@ def _top(document: Document, plain: Any) -> Iterator[Fault]:
         return
     if "operators" in plain:
         yield Fault(
-            "this is a cell file. Facts stand in a file of their own, under the same names of"
-            " tasks: `tasks: {1: {method: reba, trunk: 45, ...}}`.",
+            "this is a cell file. Give it by its name, `tandem score CELL`, to score what its tasks"
+            " state under `ergonomics`; or write the facts into a file of their own: `tasks: {1:"
+            " {method: reba, trunk: 45, ...}}`.",
             ("operators",),
             document.place(("operators",)).text,
         )

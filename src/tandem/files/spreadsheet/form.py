@@ -259,6 +259,14 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
                 " sheet Operators."
             ),
         ),
+        (
+            "Ergonomics",
+            (
+                "A sheet of that name may hold facts for ergonomic methods: a row for each task,"
+                " method and side, with columns such as task, method, side, trunk [°], load [kg],"
+                " repetitions per cycle; or the number that a method gave, as score."
+            ),
+        ),
     ),
     "de": (
         (
@@ -350,6 +358,15 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             (
                 "Eine Spalte Zeiten kopieren, den neuen Namen in die Überschrift schreiben, und"
                 " eine Zeile im Blatt Bediener."
+            ),
+        ),
+        (
+            "Ergonomie",
+            (
+                "Ein Blatt dieses Namens kann Angaben für ergonomische Verfahren enthalten: eine"
+                " Zeile je Vorgang, Methode und Seite, mit Spalten wie Vorgang, Methode, Seite,"
+                " Rumpf [°], Last [kg], Wiederholungen je Zyklus; oder die Zahl, die ein Verfahren"
+                " ergab, als Wert."
             ),
         ),
     ),

@@ -552,7 +552,8 @@ def _assessments(book: Workbook, cell: Cell, lang: Language) -> None:
     words, own = HEADERS[lang], ["name", "method", "for whom", "score"]
     facts = list(dict.fromkeys(fact for _, one in rows for fact in one.facts))
     sheet = book.create_sheet(SHEETS[lang]["ergonomics"])
-    _header(sheet, [words[name] for name in own] + facts, [14, 16, 18, 10] + [14] * len(facts))
+    widths: list[float] = [14, 16, 18, 10, *(14 for _ in facts)]
+    _header(sheet, [words[name] for name in own] + facts, widths)
     for row, (name, one) in enumerate(rows, 2):
         stated = [name, one.method, _list(one.operators) or None, one.score]
         for column, value in enumerate([*stated, *map(one.facts.get, facts)], 1):
