@@ -21,7 +21,8 @@ from tandem.studio.failures import Json, failure
 from tandem.studio.folder import MissingError, OutsideError
 from tandem.studio.guard import App, Guard
 from tandem.studio.pool import BusyError, Failed
-from tandem.studio.routes import ROUTES, Handler
+from tandem.studio.route import Handler
+from tandem.studio.routes import ROUTES
 from tandem.studio.session import Session
 
 STATIC = Path(str(resources.files("tandem.studio") / "static"))
