@@ -19,6 +19,7 @@ pytest.importorskip("sse_starlette", reason="pip install 'tandem[studio]'")
 pytest.importorskip("uvicorn", reason="pip install 'tandem[studio]'")
 
 PATIENCE_S = 120
+WITHOUT_BROWSER = ("--port", "0", "--no-browser")
 
 
 @dataclass
@@ -35,9 +36,9 @@ class Answer:
 class Running:
     """`tandem studio PLACE --port 0 --no-browser`, once it has printed its line."""
 
-    def __init__(self, place: Path | str):
+    def __init__(self, place: Path | str, *flags: str):
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "tandem", "studio", str(place), "--port", "0", "--no-browser"],
+            [sys.executable, *flags, "-m", "tandem", "studio", str(place), *WITHOUT_BROWSER],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

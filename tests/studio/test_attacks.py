@@ -301,11 +301,9 @@ def test_a_module_in_the_users_folder_is_not_run(tmp_path, monkeypatch):
     trap = "import pathlib; pathlib.Path('sprung').touch()\n"
     for name in ("ortools.py", "tandem.py", "numba.py"):
         (tmp_path / name).write_text(trap)
-    source = Path("src").absolute()
-    monkeypatch.setenv("PYTHONPATH", str(source))
-    monkeypatch.setenv("PYTHONSAFEPATH", "1")  # as the installed command has it
+    monkeypatch.setenv("PYTHONPATH", str(Path("src").absolute()))
     monkeypatch.chdir(tmp_path)
-    with Running("cell.yaml") as running:
+    with Running("cell.yaml", "-P") as running:  # as the installed command begins
         assert running.ask("POST", "/api/plan", {"options": {"time_limit": 60}}).status == 200
     assert not (tmp_path / "sprung").exists()
 

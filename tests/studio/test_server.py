@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import jsonschema
@@ -220,6 +222,17 @@ def test_what_was_not_saved_is_kept_at_the_end_and_offered_again(own):
     assert not own.file.with_name("cell.yaml.draft.json").exists()
 
 
+def test_an_empty_folder_is_a_place_to_begin(tmp_path):
+    with Running(tmp_path) as running:
+        assert running.ask("GET", "/api/files").json == {"files": []}
+        nothing = running.ask("GET", "/api/cell")
+        assert nothing.status == 404
+        assert "Import a workbook" in nothing.json["error"]
+        cell = load(THESIS).to_dict()
+        assert running.ask("PUT", "/api/cell?file=first.yaml", {"cell": cell}).status == 200
+        assert running.ask("GET", "/api/cell").json["cell"] == cell
+
+
 def test_a_folder_lists_its_cells_and_a_new_one_can_be_saved(tmp_path):
     (tmp_path / "line").mkdir()
     shutil.copy(THESIS, tmp_path / "line" / "a.yaml")
@@ -276,6 +289,13 @@ def test_options_that_are_wrong_are_refused_with_the_remedy(server, options, say
     answer = server.ask("POST", "/api/plan", {"options": options})
     assert answer.status == 400
     assert says in answer.json["error"]
+
+
+def test_the_risk_of_each_point_is_told_when_it_is_asked(server):
+    pytest.importorskip("jax", reason="pip install 'tandem[learn]'")
+    answer = server.ask("POST", "/api/plan", {"options": {"cv": 0.2, "robust": True}})
+    assert answer.json["recommended_by"] == "p95"
+    assert all(point["risk"]["fixed"]["p95"] > point["makespan"] for point in answer.json["front"])
 
 
 def test_what_cannot_be_is_said_with_the_exit_code_and_the_reasons(server):
@@ -475,6 +495,38 @@ def test_a_workbook_is_read_with_what_was_understood(server, tmp_path):
     wrong = server.ask("POST", "/api/import?name=t.csv&human=Anna", csv)
     assert wrong.status == 422
     assert any("C3" in error["where"] or "B3" in error["where"] for error in wrong.json["errors"])
+
+
+# --- the page and the package ---------------------------------------------------------------------
+
+
+def test_the_page_loads_only_what_the_package_holds(server):
+    page = server.ask("GET", "/", token=None)
+    assert page.headers["content-type"].startswith("text/html")
+    named = re.findall(r'(?:src|href)="([^"]+)"', page.body.decode())
+    assert named
+    for name in named:
+        assert not name.startswith(("http:", "https:", "//"))
+        if not name.startswith("data:"):
+            assert server.ask("GET", "/" + name.removeprefix("/"), token=None).status == 200
+
+
+def test_the_wheel_holds_every_file_of_the_page(tmp_path):
+    pytest.importorskip("hatchling", reason="pip install hatchling")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
+    subprocess.run(build, check=True, capture_output=True, timeout=120)
+    (wheel,) = tmp_path.glob("*.whl")
+    static = Path("src/tandem/studio/static")
+    files = {path.relative_to("src").as_posix() for path in static.rglob("*") if path.is_file()}
+    assert "tandem/studio/static/index.html" in files
+    assert files <= set(zipfile.ZipFile(wheel).namelist())
+
+
+def test_every_address_stands_on_the_page_of_the_studio():
+    text = Path("docs/studio.md").read_text(encoding="utf-8")
+    from tandem.studio.routes import ROUTES
+
+    assert [route.path for route in ROUTES if f"`{route.method} {route.path}" not in text] == []
 
 
 # --- the OpenAPI document -------------------------------------------------------------------------

@@ -16,12 +16,13 @@ from starlette.routing import BaseRoute, Mount
 from starlette.routing import Route as StarletteRoute
 from starlette.staticfiles import StaticFiles
 
-from tandem.errors import CellError, TandemError, UsageError
+from tandem.errors import TandemError, UsageError
 from tandem.studio.failures import Json, failure
-from tandem.studio.folder import OutsideError
+from tandem.studio.folder import MissingError, OutsideError
 from tandem.studio.guard import App, Guard
 from tandem.studio.pool import BusyError, Failed
-from tandem.studio.routes import ROUTES, Handler
+from tandem.studio.route import Handler
+from tandem.studio.routes import ROUTES
 from tandem.studio.session import Session
 
 STATIC = Path(str(resources.files("tandem.studio") / "static"))
@@ -88,7 +89,7 @@ def _told(error: TandemError) -> Response:
     told: Json = failure(error)
     if isinstance(error, OutsideError):
         return JSONResponse(told, 403)
-    if isinstance(error, CellError) and all("cannot be read" in str(f) for f in error.faults):
+    if isinstance(error, MissingError):
         return JSONResponse(told, 404)
     return JSONResponse(told, 400 if isinstance(error, UsageError) else 422)
 

@@ -66,6 +66,7 @@ SECONDS = Kind(
 )
 WHOLE = Kind("a whole number", {"type": "integer"}, _is_whole)
 TEXT = Kind("a text", {"type": "string"}, lambda value: isinstance(value, str))
+TRUTH = Kind("true or false", {"type": "boolean"}, lambda value: isinstance(value, bool))
 PAIR = Kind(
     "two numbers, [time, stress]",
     {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},

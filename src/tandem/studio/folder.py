@@ -36,6 +36,10 @@ class OutsideError(UsageError):
     """A name that leads out of the folder, over a link, or to no cell file."""
 
 
+class MissingError(CellError):
+    """There is no such file, or it cannot be read."""
+
+
 class NewerError(Exception):
     """The file on disk is not the one that was read.
 
@@ -99,7 +103,7 @@ class Folder:
             files = self.names()
             if not files:
                 fault = "there is no cell file in this folder yet. Import a workbook or save one."
-                raise CellError([Fault(fault)])
+                raise MissingError([Fault(fault)])
             return files[0]
         self._inside(name)
         return name
@@ -183,11 +187,11 @@ class Folder:
             handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0))
             with os.fdopen(handle, "rb") as file:
                 if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                    raise CellError([Fault("is no file.", (), name)])
+                    raise MissingError([Fault("is no file.", (), name)])
                 return file.read(LARGEST + 1)
         except OSError as error:
             why = (error.strerror or "unknown").lower()
-            raise CellError([Fault(f"cannot be read: {why}.", (), name)]) from error
+            raise MissingError([Fault(f"cannot be read: {why}.", (), name)]) from error
 
     # --- writing ----------------------------------------------------------------------------------
 

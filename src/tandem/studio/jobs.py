@@ -11,6 +11,7 @@ import mimetypes
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,7 @@ from tandem.studio.asked import (
     ROWS,
     TABLE,
     TEXT,
+    TRUTH,
     WHOLE,
     Json,
     Kind,
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.plan.method import Progress
     from tandem.plan.replanned import Replanned
+    from tandem.plan.result import Front
     from tandem.schedule.model import Schedule
 
 Tell = Callable[[Json], None]
@@ -51,6 +54,9 @@ OPTIONS: dict[str, Kind] = {
     "weights": PAIR,
     "max_stress": NUMBER,
     "max_makespan": NUMBER,
+    "cv": NUMBER,
+    "robust": TRUTH,
+    "risk": TRUTH,
     "set": NAMES,
     "without": NAMES,
     "force": NAMES,
@@ -87,7 +93,22 @@ def plan(request: Json, tell: Tell) -> Json:
     changes = [asked.pop(key, ()) for key in ("set", "without", "force")]
     if any(changes):
         cell = variant(cell, *changes)
-    return plan_cell(cell, method=method, on_solution=_Telling(tell), **asked).to_dict()
+    risk = {key: asked.pop(key) for key in ("cv", "robust", "risk") if key in asked}
+    front = plan_cell(cell, method=method, on_solution=_Telling(tell), **asked)
+    return _with_risk(front, **risk).to_dict()
+
+
+def _with_risk(front: Front, cv: float = 0.0, robust: bool = False, risk: bool = False) -> Front:
+    """The front with what becomes of each point where times scatter, when that is asked."""
+    if front.interrupted or not (cv or robust or risk):
+        return front
+    if not 0 <= cv <= 10:
+        raise UsageError(f"options.cv is {cv:g}, but must be between 0 and 10.")
+    if find_spec("jax") is None:
+        raise UsageError("telling the risk of a plan needs JAX: pip install 'tandem[learn]'")
+    from tandem.dispatch.evaluation.risk import with_risk
+
+    return with_risk(front, cv=cv, robust=robust, replanned=True, tell=lambda _: None)
 
 
 class _Telling:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import tandem
 from tandem.studio.asked import Kind
 from tandem.studio.guard import READING
 from tandem.studio.jobs import JOBS, OPTIONS, PLACE
-from tandem.studio.routes import ROUTES, Route
+from tandem.studio.route import Route
 from tandem.studio.schemas import NAMED
 
 Json = dict[str, Any]
@@ -27,10 +28,10 @@ INSIDE = {"options": (OPTIONS, ()), "place": (PLACE, tuple(PLACE))}
 """Keys whose objects have keys of their own, and those they need."""
 
 
-def document() -> Json:
+def document(routes: Iterable[Route]) -> Json:
     """OpenAPI 3.1 of every route."""
     paths: dict[str, Json] = {}
-    for route in ROUTES:
+    for route in routes:
         paths.setdefault(route.path, {})[route.method.lower()] = _operation(route)
     return {
         "openapi": "3.1.0",

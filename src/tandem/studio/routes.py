@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import AsyncIterator
 from functools import partial
 from typing import Any
 
@@ -19,11 +18,13 @@ from starlette.responses import JSONResponse, Response
 import tandem
 from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
-from tandem.studio.asked import LANGUAGE, TABLE, TEXT, WHOLE, Json, Kind, cell_in, read
+from tandem.studio.asked import LANGUAGE, TABLE, TEXT, WHOLE, Json, cell_in, read
 from tandem.studio.failures import errors_of, failure
 from tandem.studio.folder import NewerError
 from tandem.studio.jobs import JOBS, OF_A_CELL, OPTIONS
+from tandem.studio.openapi import document
 from tandem.studio.pool import Failed
+from tandem.studio.route import Handler, Route
 from tandem.studio.schemas import (
     ANYTHING,
     ASSIGNMENTS,
@@ -38,31 +39,8 @@ from tandem.studio.schemas import (
 )
 from tandem.studio.session import Draft, Session
 
-Handler = Callable[[Request, Session], Awaitable[Response]]
-
 FORMAT = 1
 """Of cell files."""
-
-
-@dataclass(frozen=True)
-class Route:
-    """A line of the table.
-
-    Attributes:
-      what: is answered, in a sentence.
-      asks: the keys of the body and those that are needed; the name of a job, whose keys they are;
-        a media type where it is no JSON; None where there is no body.
-      query: name -> JSON Schema and a sentence.
-      answers: status -> JSON Schema of the answer; a media type where it is no JSON.
-    """
-
-    method: str
-    path: str
-    handler: Handler
-    what: str
-    asks: tuple[Mapping[str, Kind], tuple[str, ...]] | str | None = None
-    query: Mapping[str, tuple[Json, str]] = field(default_factory=dict)
-    answers: Mapping[int, Json | str] = field(default_factory=dict)
 
 
 async def body_of(request: Request) -> Any:
@@ -266,9 +244,7 @@ async def import_(request: Request, session: Session) -> Response:
 
 
 async def openapi(request: Request, session: Session) -> Response:
-    from tandem.studio.openapi import document
-
-    return JSONResponse(document())
+    return JSONResponse(document(ROUTES))
 
 
 # --- the table ------------------------------------------------------------------------------------

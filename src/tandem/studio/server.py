@@ -15,6 +15,7 @@ import uvicorn
 from tandem.errors import UsageError
 from tandem.studio.app import application
 from tandem.studio.folder import Folder
+from tandem.studio.pool import GRACE_S
 from tandem.studio.session import Session
 
 LOOPBACK = "127.0.0.1"
@@ -87,8 +88,8 @@ class _Server(uvicorn.Server):
         self.session.is_ending = True
         for run in list(self.session.pool.runs.values()):
             run.stop()
-        until = time.monotonic() + PATIENCE_S
-        while self.session.pool.runs and time.monotonic() < until:
+        until = time.monotonic() + GRACE_S + 1
+        while self.session.pool.runs and time.monotonic() < until and not self.force_exit:
             await asyncio.sleep(0.05)
         await super().shutdown(sockets)
 
