@@ -173,6 +173,9 @@ const Bars = observed(() => {
   );
 });
 
+/** @param {{left: string, top: string, width: string, height: string}} box moved by the compositor alone, so that nothing below is painted anew. */
+const onTop = ({ left, top, width, height }) => ({ transform: `translate(${left}, ${top})`, width, height });
+
 /** The outline of the bar that is carried. */
 const Outline = observed(() => {
   const now = carried.value;
@@ -180,7 +183,7 @@ const Outline = observed(() => {
   const rows = lanes();
   const bad = now.verdict && (!now.verdict.allowed || now.verdict.faults.length > 0);
   return now.operators.map(
-    (name) => html`<span class="carried ${bad ? "bad" : ""}" key=${name} style=${box(now.start, now.length, rows.indexOf(name))}>${now.task}</span>`,
+    (name) => html`<span class="carried ${bad ? "bad" : ""}" key=${name} style=${onTop(box(now.start, now.length, rows.indexOf(name)))}>${now.task}</span>`,
   );
 });
 
