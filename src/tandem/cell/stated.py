@@ -244,7 +244,9 @@ class _Entry:
             )
             return
         near = Known([*model.model_fields, *ROW_KEYS]).nearest(name)
-        hint = f"Did you mean {near!r}?" if near else f"Write one of {', '.join(model.model_fields)}."
+        hint = (
+            f"Did you mean {near!r}?" if near else f"Write one of {', '.join(model.model_fields)}."
+        )
         self.fault(f"{self.method} knows no fact {shown(name)}. {hint}", given.place)
 
     # --- values -----------------------------------------------------------------------------------
