@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Operator, Task, Together, Tool, Wait, Zone
+from tandem.cell.parts import Assessment, Operator, Task, Together, Tool, Wait, Zone
 from tandem.files.schema import schema
 from tandem.lab.published import PUBLISHED, published
 
@@ -52,6 +52,7 @@ def cell_reference() -> str:
         "Task": "A task",
         "Together": "A group in `together`",
         "Wait": "A wait",
+        "Assessment": "An assessment in `ergonomics`",
         "Tool": "A tool",
         "Zone": "A zone",
         "Cost": "What a piece costs",
@@ -118,7 +119,7 @@ def _cell(text: str) -> str:
 
 def keys() -> Iterator[str]:
     """Every key that a cell file may hold."""
-    for model in (Cell, Operator, Task, Together, Wait, Tool, Zone):
+    for model in (Cell, Operator, Task, Together, Wait, Assessment, Tool, Zone):
         yield from model.model_fields
 
 

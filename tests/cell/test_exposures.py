@@ -86,7 +86,7 @@ def test_every_scale_is_of_a_kind():
         "duet", "duet-left", "duet-right", "lifft", "energy",
         "shoulder_tool", "shoulder_tool-left", "shoulder_tool-right",
     }  # fmt: skip
-    with pytest.raises(UsageError, match="no scale 'reab'.*'reba'"):
+    with pytest.raises(UsageError, match=r"no scale 'reab'.*'reba'"):
         kind("reab")
 
 

@@ -1,4 +1,6 @@
-"""An assessment as a page that an ergonomist could sign: Markdown, HTML, a workbook, JSON."""
+"""An assessment as a page that an ergonomist could sign: Markdown, HTML, PDF, a workbook,
+JSON.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,10 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tandem.assessment import printed
 from tandem.assessment import sentences as say
 from tandem.assessment.document import document, of_outside, of_shift
+from tandem.assessment.printed import Block, Grid, Line
 from tandem.assessment.shift import Shift
 from tandem.cell.assessed import Assessed
 from tandem.cell.language import Words
@@ -319,6 +323,57 @@ def _html_task(t: Words, row: Scored, colour: str) -> Markup:
     )
 
 
+# --- PDF ------------------------------------------------------------------------------------------
+
+
+def pdf(t: Words, found: Assessment) -> bytes:
+    """The assessment on A4, page by page, with a place to sign."""
+    return printed.pdf(list(_blocks(t, found)), t("title", name=found.name))
+
+
+def _blocks(t: Words, found: Assessment) -> Iterator[Block]:
+    yield Line(t("title", name=found.name), "title")
+    if people := say.sources(t, found.rows):
+        yield Line(f"{t('head.sign')}: {'; '.join(people)}")
+    yield Line(t("head.summary"), "heading")
+    yield Grid(
+        _heads(t, SUMMARY),
+        [_summary(t, row) for row in found.rows],
+        (0.26, 0.08, 0.18, 0.1, 0.3, 0.08),
+        [colour for _, colour in found.levels()],
+    )
+    if found.totals:
+        yield Line(t("head.shift"), "heading")
+        yield from (Line(say.total(t, one)) for one in found.totals)
+    if found.shift is not None:
+        yield Line(t("head.people"), "heading")
+        yield Line(say.shift(t, found.shift))
+        for title, said in say.people(t, found.shift):
+            yield Line(title, "task")
+            yield from map(Line, said)
+    if found.outside:
+        yield Line(t("head.outside"), "heading")
+        widths = (0.2, 0.2, 0.08, 0.12, 0.08, 0.12, 0.1, 0.1)
+        yield Grid(_heads(t, OUTSIDE), list(_outside(t, found)), widths)
+    yield Line(t("head.tasks"), "heading")
+    for row, colour in found.levels():
+        yield Line(_title(t, row), "task")
+        yield Line(say.explanation(t, row.outcome), colour=colour)
+        yield from (Line(said) for said in (say.stability(t, row), say.unstated(t, row)) if said)
+        facts = [cells for cells, _ in _facts(t, row)]
+        yield Grid(_heads(t, FACTS), facts, (0.3, 0.14, 0.08, 0.2, 0.16, 0.12))
+        yield Grid(_heads(t, STEPS), list(_steps(t, row)), (0.3, 0.14, 0.56))
+    yield Line(t("head.limits"), "heading")
+    yield from map(Line, (*_limits(t, found), t("advice")))
+    blank = "   ".join(f"{t(f'sign.{name}')}: ____________________" for name in SIGNED)
+    yield Line(" ")
+    yield Line(blank)
+    yield Line(_made(t, found))
+
+
+SIGNED = ("name", "date", "signature")
+
+
 # --- a workbook -----------------------------------------------------------------------------------
 
 
@@ -433,6 +488,7 @@ def json_text(t: Words, found: Assessment) -> str:
 
 WRITERS: dict[str, Callable[[Words, Assessment], str | bytes]] = {
     ".html": html,
+    ".pdf": pdf,
     ".md": markdown,
     ".xlsx": xlsx,
     ".json": json_text,

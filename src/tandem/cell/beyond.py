@@ -15,8 +15,10 @@ from tandem.cell.model import Cell
 
 Path = tuple[str, ...]
 
-NAMES = frozenset({"format", "name", "label", "part", "kind"})
-"""Keys that call things by name; anyone can stand them."""
+NAMES = frozenset({"format", "name", "label", "part", "kind", "ergonomics"})
+"""Keys that call things by name, or tell what is known of the work and move no schedule; anyone can
+stand them.
+"""
 TABLES = frozenset({"operators", "tasks", "tools", "zones"})
 """Keys of a cell under which the others stand; tools and zones say nothing until a task names
 one. Who knows zones still knows none that keep kinds of operators apart.

@@ -55,6 +55,8 @@ def not_said(cell: Cell, unit: Whole) -> Iterator[str]:
     """What no form but our own says, in sentences."""
     if any(task.stress for task in cell.tasks.values()):
         yield "the stress of tasks is not written: this form knows only time."
+    if any(task.ergonomics for task in cell.tasks.values()):
+        yield "the facts for ergonomic methods are not written: this form knows only time."
     if any(task.scatters for task in cell.tasks.values()):
         yield "the spread of times is not written."
     if cell.cost is not None:

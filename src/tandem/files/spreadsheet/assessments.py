@@ -32,7 +32,7 @@ def read_assessments(grid: Grid, tasks: dict[str, dict[str, Any]], findings: Fin
     if head is None:
         findings.note("sheet", say("sheet.unread", sheet=repr(grid.name)), f"{grid.name}!A1")
         return
-    naming, columns, remarks = columns_of(grid, head)
+    naming, columns, _ = columns_of(grid, head)
     own = {
         index: what
         for index, text in grid.filled(head)
@@ -41,9 +41,11 @@ def read_assessments(grid: Grid, tasks: dict[str, dict[str, Any]], findings: Fin
     }
     facts = [column for column in columns if column.index not in own]
     added = [Column(index, what, None) for index, what in own.items()]
-    for remark in remarks:
-        if not any(remark.startswith(f"{grid.place(head, index)}:") for index in own):
-            findings.note("column", remark.partition(": ")[2], remark.partition(": ")[0])
+    known = {naming, *own, *(column.index for column in columns)}
+    for index, text in grid.filled(head):
+        if index not in known:
+            said = say("column.of_sheet", column=repr(str(text)), sheet=repr(grid.name))
+            findings.note("column", said, grid.place(head, index))
     rows = [row for row in range(head + 1, len(grid.rows)) if not grid.is_blank(row)]
     marks = marks_of(grid.value(row, column.index) for row in rows for column in columns)
     names = _names(tasks)

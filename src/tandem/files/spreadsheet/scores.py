@@ -9,6 +9,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from tandem.cell.names import key
+from tandem.cell.stated import SIDED
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.said import say
@@ -73,8 +74,7 @@ def without_scores(
         if aggregate == "ignore":
             continue
         if aggregate is not None and (method := method_of(column.header)) is not None:
-            who = () if column.meaning is None else column.meaning.who
-            columns[place] = replace(column, meaning=Meaning(SCORE + method, who))
+            columns[place] = replace(column, meaning=Meaning(SCORE + method, _people(column)))
             measure = f"{aggregate}:{method}" + ":LEVEL" * (aggregate == "time-above")
             findings.note(
                 "assumed",
@@ -100,6 +100,16 @@ def without_scores(
                 column.place,
             )
     return replace(table, columns=tuple(columns))
+
+
+def _people(column: Column) -> tuple[str, ...]:
+    """Of whom the header speaks; "rechts" is a side and nobody."""
+    named = () if column.meaning is None else column.meaning.who
+    return tuple(
+        who
+        for who in named
+        if not any(re.fullmatch(words, who, re.IGNORECASE) for _, words in SIDED)
+    )
 
 
 def _is_told(column: Column, told: Collection[str]) -> bool:
