@@ -54,13 +54,8 @@ def draw_axes(fronts: Sequence[AxesFront], *, language: str = "en") -> Figure:
         for place, (panel, (front, axis)) in enumerate(zip(panels, places, strict=False)):
             _front(panel, front, axis, letters[front.cell.name], t)
             if len(names) > 1 and not place % across:
-                panel.annotate(
-                    front.cell.name,
-                    (0, 1.13),
-                    xycoords="axes fraction",
-                    fontsize=12,
-                    fontweight="bold",
-                )
+                under = panel.get_title("left")
+                panel.set_title(f"{front.cell.name}\n{under}", loc="left", fontsize=10)
     figure.suptitle(
         names[0] if len(names) == 1 else "", x=0.01, ha="left", fontsize=12, fontweight="bold"
     )

@@ -23,7 +23,7 @@ from decimal import ROUND_CEILING, Decimal
 from importlib.metadata import version
 from random import Random
 from time import monotonic
-from typing import Any
+from typing import Any, TypeVar
 
 from ortools.sat.python import cp_model
 
@@ -42,6 +42,7 @@ from tandem.schedule.measures import makespan
 from tandem.schedule.model import Schedule
 
 MAKESPAN = "makespan"
+N = TypeVar("N", int, float)
 LARGEST = 1 << 40
 """Whole numbers of a measure stay below; where decimals do not allow that they are rounded up."""
 MOST_FACTOR = 1 << 55
@@ -514,7 +515,7 @@ def _has_schedule(status: Any) -> bool:
     return status in (cp_model.OPTIMAL, cp_model.FEASIBLE)
 
 
-def _least_of(points: set[tuple[int, ...]]) -> list[tuple[int, ...]]:
+def _least_of(points: set[tuple[N, ...]]) -> list[tuple[N, ...]]:
     """Those that no other one is as good as in everything."""
     return [
         point
