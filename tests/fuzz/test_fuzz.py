@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from tests.fuzz import judges
+from tests.fuzz import judges, limits
 from tests.fuzz.cells import cell as random_cell
 from tests.plan.brute_force import front_in_order, front_of_all, worth
 from tests.schedule.cells import thesis, thesis_schedule
@@ -204,3 +204,8 @@ def test_properties_are_drawn_anew_and_what_refutes_one_is_kept(tmp_path):
     first, second = (tmp_path / "drawn.txt").read_text(encoding="utf-8").splitlines()
     assert first != second
     assert (tmp_path / ".hypothesis" / "examples").is_dir()
+
+
+def test_no_plan_exceeds_a_limit(capsys):
+    assert limits.main(["--cells", "8"]) == 0
+    assert ": 0 exceed it;" in capsys.readouterr().out

@@ -4,6 +4,7 @@ formula.
 
 from __future__ import annotations
 
+import csv
 import math
 from fractions import Fraction
 from itertools import product
@@ -11,6 +12,7 @@ from random import Random
 from typing import Any
 
 import pytest
+from tests.benchmark_data import folder
 
 import tandem
 from tandem.cell.model import Cell
@@ -170,6 +172,19 @@ def test_the_front_of_stress_is_the_front():
     cell = tandem.load("examples/thesis.yaml")
     points = [point.values for point in plan_axes(cell, ["makespan", "stress"]).points]
     assert points == [(23, 7), (24, 3), (34, 2)] == tandem.plan(cell, workers=1).points
+
+
+@pytest.mark.parametrize("instance", ["pearce2018_p1", "pearce2018_p2", "pearce2018_p3"])
+def test_the_fronts_of_the_strain_index_are_the_published_enumeration(instance: str):
+    place = folder("hrc_case_studies")
+    with open(place / "pareto.csv", newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["instance"] == instance]
+    front = plan_axes(tandem.load(place / f"{instance}.json"), ["makespan", "stress"])
+    expected = sorted((float(row["makespan"]), float(row["strain_index"])) for row in rows)
+    assert expected
+    assert [point.values for point in front.points] == expected
+    with pytest.raises(UsageError, match="by sets of tasks"):
+        plan_axes(front.cell, ["makespan", "peak:stress"])
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -29,12 +29,14 @@ MOST_LETTERS = 16
 def draw_axes(fronts: Sequence[AxesFront], *, language: str = "en") -> Figure:
     """One front of three axes as its three projections, the axis that a projection leaves out as
     colour; or fronts of two axes side by side, the same letter where the same people do the same
-    tasks. Raises UsageError when pictures do not speak the language.
+    tasks; of several cells with equally many fronts a row for each. Raises UsageError when pictures
+    do not speak the language.
     """
     t = words(language)
     three = len(fronts) == 1 and len(fronts[0].axes) == 3
     count = 3 if three else sum(len(front.axes) - 1 for front in fronts)
-    across = min(ACROSS, count)
+    names = list(dict.fromkeys(front.cell.name for front in fronts))
+    across = min(ACROSS, count) if len(names) == 1 else count // len(names)
     down = -(-count // across)
     figure = blank(PANEL[0] * across, PANEL[1] * down)
     figure.clear()
@@ -45,12 +47,18 @@ def draw_axes(fronts: Sequence[AxesFront], *, language: str = "en") -> Figure:
         for panel, (x, y) in zip(panels, combinations(range(3), 2), strict=True):
             _projection(figure, panel, fronts[0], x, y, t)
     else:
-        letters = _letters(fronts)
+        letters = {
+            name: _letters(front for front in fronts if front.cell.name == name) for name in names
+        }
         places = [(front, axis) for front in fronts for axis in range(1, len(front.axes))]
-        for panel, (front, axis) in zip(panels, places, strict=False):
-            _front(panel, front, axis, letters, t)
-    cell = fronts[0].cell
-    figure.suptitle(cell.name, x=0.01, ha="left", fontsize=12, fontweight="bold")
+        for place, (panel, (front, axis)) in enumerate(zip(panels, places, strict=False)):
+            _front(panel, front, axis, letters[front.cell.name], t)
+            if len(names) > 1 and not place % across:
+                under = panel.get_title("left")
+                panel.set_title(f"{front.cell.name}\n{under}", loc="left", fontsize=10)
+    figure.suptitle(
+        names[0] if len(names) == 1 else "", x=0.01, ha="left", fontsize=12, fontweight="bold"
+    )
     return figure
 
 
@@ -84,6 +92,8 @@ def _front(
     _plain(ax, front, 0, axis, t)
     if len(front.axes) == 2:
         ax.step(xs, ys, where="post", color=RULE, lw=1.0, zorder=1)
+    if len(set(ys)) == 1:
+        ax.set_ylim(0, 2 * ys[0] or 1)
     for point, x, y in zip(front.points, xs, ys, strict=True):
         ax.scatter([x], [y], s=34, color=POINT if point.proven else "none", edgecolor=POINT)
         if len(front.points) <= MOST_LETTERS:

@@ -23,7 +23,7 @@ from decimal import ROUND_CEILING, Decimal
 from importlib.metadata import version
 from random import Random
 from time import monotonic
-from typing import Any
+from typing import Any, TypeVar
 
 from ortools.sat.python import cp_model
 
@@ -42,6 +42,7 @@ from tandem.schedule.measures import makespan
 from tandem.schedule.model import Schedule
 
 MAKESPAN = "makespan"
+N = TypeVar("N", int, float)
 LARGEST = 1 << 40
 """Whole numbers of a measure stay below; where decimals do not allow that they are rounded up."""
 MOST_FACTOR = 1 << 55
@@ -471,6 +472,9 @@ class _Search:
         solver.parameters.num_workers = self.workers
         solver.parameters.random_seed = self.seed % (1 << 31)
         solver.parameters.symmetry_level = 0
+        # of 20 tasks, half the work of each proof
+        solver.parameters.linearization_level = 0
+        solver.parameters.cp_model_probing_level = 0
         left = None if self.until is None else self.until - monotonic()
         if left is not None:
             solver.parameters.max_time_in_seconds = max(0.01, left)
@@ -502,14 +506,16 @@ class _Search:
                 for counted in self.counted
             )
             rows.append(Point((makespan(schedule), *exact), schedule, point in self.proven))
-        return tuple(rows)
+        # what was rounded, or is an envelope, may be less than another where its value is not
+        beaten = {row.values for row in rows} - set(_least_of({row.values for row in rows}))
+        return tuple(row for row in rows if row.values not in beaten)
 
 
 def _has_schedule(status: Any) -> bool:
     return status in (cp_model.OPTIMAL, cp_model.FEASIBLE)
 
 
-def _least_of(points: set[tuple[int, ...]]) -> list[tuple[int, ...]]:
+def _least_of(points: set[tuple[N, ...]]) -> list[tuple[N, ...]]:
     """Those that no other one is as good as in everything."""
     return [
         point

@@ -93,6 +93,11 @@ def named(name: str, cell: Cell) -> Measure:
     of_worst = parts[0] == "worst" and len(parts) > 1
     if of_worst:
         parts = parts[1:]
+    if cell.stress_of_set is not None and (of_worst or len(parts) > 1) and OWN in parts:
+        raise UsageError(
+            f"measure {name!r}: the cell states its stress by sets of tasks (stress_of_set), not"
+            " task by task. Take the measure stress, or one of another scale."
+        )
     if parts in (["stress"], ["sum"]):
         return Measure("sum", OWN, (), of_worst)
     what, scale, rest = parts[0], parts[1] if len(parts) > 1 else "", parts[2:]

@@ -1,0 +1,63 @@
+"""`tandem plan --measure` and `--axes`: documents, pictures, and what does not go together."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tandem.cli.root import run
+
+GEARBOX = str(Path(__file__).parents[2] / "examples" / "gearbox.yaml")
+
+
+def test_three_axes_as_a_document_and_a_picture(tmp_path: Path, capsys: pytest.CaptureFixture):
+    picture, stored = tmp_path / "front.png", tmp_path / "front.json"
+    axes = ["--axes", "makespan,stress,worst:stress"]
+    assert run(["plan", GEARBOX, *axes, "-o", str(picture), "-o", str(stored), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["objectives"] == ["makespan", "stress", "worst:stress"]
+    assert document["complete"]
+    assert [(p["makespan"], p["stress"], p["worst:stress"]) for p in document["front"]] == [
+        (107, 20.5, 11),
+        (108, 17.5, 9),
+        (115, 13.5, 8.5),
+        (115, 14.5, 7.5),
+        (136, 10.5, 5.5),
+    ]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert json.loads(stored.read_text())["front"] == document["front"]
+    # a stored front is a plan like any other
+    assert run(["check", str(stored)]) == 0
+
+
+def test_several_measures_are_several_fronts(capsys: pytest.CaptureFixture):
+    asked = ["--measure", "peak:stress", "--measure", "time-above:stress:4", "--json"]
+    assert run(["plan", GEARBOX, *asked]) == 0
+    fronts = json.loads(capsys.readouterr().out)["fronts"]
+    assert [front["objectives"][1] for front in fronts] == ["peak:stress", "time-above:stress:4"]
+
+
+def test_limits_are_kept_and_said(capsys: pytest.CaptureFixture):
+    assert run(["plan", GEARBOX, "--measure", "stress", "--limit", "peak:stress=6"]) == 0
+    assert "Kept for each person: peak:stress=6." in capsys.readouterr().out
+    assert run(["plan", GEARBOX, "--measure", "stress", "--limit", "stress=1"]) == 4
+    assert "no schedule keeps the cell's own limits and stress=1" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--limit", "stress=3"], "--limit goes with --measure or --axes"),
+        (["--axes", "makespan,stress", "--takt", "3"], "--takt: not with --measure or --axes"),
+        (["--axes", "makespan,stress", "-o", "front.xlsx"], "are written as .json"),
+        (["--measure", "stress", "--axes", "makespan,stress"], "--measure beside --axes"),
+        (["--measure", "peek:stress"], "Did you mean 'peak'"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(
+    options: list[str], said: str, capsys: pytest.CaptureFixture
+):
+    assert run(["plan", GEARBOX, *options]) == 2
+    assert said in capsys.readouterr().err
