@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 SCHEMA_VERSION = 1
 
+FRAME_OF_TASKS = ["point", "makespan", "stress", "task", "operators", "start", "end"]
+
 
 class Status(StrEnum):
     """How far a result is proven, in the solver's words."""
@@ -338,10 +340,30 @@ class Front:
         share = {} if self.open_area is None else {"open_area": round(self.open_area, 6)}
         return {**share, "bound_front": pairs}
 
-    def to_frame(self) -> pandas.DataFrame:
-        """One row a point: makespan, stress, status, bounds. Needs pandas."""
+    def to_frame(self, *, tasks: bool = False) -> pandas.DataFrame:
+        """One row a point: makespan, stress, status, bounds. Needs pandas.
+
+        Args:
+          tasks: one row for every task of every point instead: the point (counted from 1), its
+            makespan and stress, the task, its operators joined by " + ", start and end in seconds.
+        """
         import pandas
 
+        if tasks:
+            of_tasks = [
+                {
+                    "point": place,
+                    "makespan": result.makespan,
+                    "stress": result.stress,
+                    "task": one.task,
+                    "operators": " + ".join(one.operators),
+                    "start": one.start,
+                    "end": one.end,
+                }
+                for place, result in enumerate(self.results, 1)
+                for one in result.schedule
+            ]
+            return pandas.DataFrame(of_tasks, columns=FRAME_OF_TASKS)
         rows = [
             {
                 "makespan": r.makespan,
