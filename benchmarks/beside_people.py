@@ -16,8 +16,8 @@ is given, and `learned` where one is: it decides as they do and is not played ag
 The work is a list of jobs, the smallest first, and a file for each that is done in --folder: what
 was stopped goes on where it was, and --minutes ends it before the next job. Differences are of the
 makespan, paired by episode, in shares of the mean of `response`; their 95 % intervals are
-percentiles of a bootstrap over cells, then over training seeds. Those who take long play the first
-episodes only. A decision's time is its own on a core.
+percentiles of a bootstrap over cells, then over training seeds and episodes. Those who take long
+play the first episodes only. A decision's time is its own on a core.
 """
 
 from __future__ import annotations
@@ -343,7 +343,7 @@ def difference(
             continue
         episodes = min(mine.shape[1], base.shape[1])
         # seed by seed: those of two recipes have nothing to do with each other
-        of_cells.append((mine[:, :episodes].mean(1), base[:, :episodes].mean(1)))
+        of_cells.append((mine[:, :episodes], base[:, :episodes]))
     if not of_cells:
         return None
     rng = np.random.default_rng(0)
@@ -352,9 +352,10 @@ def difference(
     for place in range(len(of_cells)):
         for cell, (mine, base) in enumerate(of_cells):
             rows = which[:, place] == cell
+            # the same episodes for both, for they are pairs
+            kept = shares(rng, rows.sum(), mine.shape[1])
             mean_mine, mean_base = (
-                part[rng.integers(len(part), size=(rows.sum(), len(part)))].mean(1)
-                for part in (mine, base)
+                (shares(rng, rows.sum(), len(part)) @ part * kept).sum(1) for part in (mine, base)
             )
             drawn[rows] += (mean_mine / mean_base - 1) / len(of_cells)
     low, high = np.percentile(drawn, EDGES)
@@ -363,6 +364,11 @@ def difference(
         "mean": mean, "ci95": (float(low), float(high)), "cells": len(of_cells),
         "episodes": episodes,
     }  # fmt: skip
+
+
+def shares(rng: np.random.Generator, draws: int, number: int) -> Any:
+    """`[draws, number]`, how often each was drawn when as many are drawn as there are; shares."""
+    return rng.multinomial(number, np.full(number, 1 / number), size=draws) / number
 
 
 def contestants(settings: Settings) -> list[str]:
