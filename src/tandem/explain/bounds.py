@@ -11,7 +11,6 @@ from tandem.cell.model import Cell, plain
 from tandem.explain.language import Words, listed, words
 from tandem.plan.bounds import (
     chain_bound,
-    heads,
     load_bound,
     longest_chain,
     own_loads,
@@ -56,7 +55,7 @@ class Reckoned:
         chain = longest_chain(layout)
         return cls(
             {names[task]: seconds(layout.quickest[task]) for task in chain},
-            seconds(heads(layout)[chain[0]]) if chain else 0.0,
+            seconds(layout.head[chain[0]]) if chain else 0.0,
             seconds(chain_bound(layout)),
             {
                 operator: (tuple(names[task] for task in mine), seconds(ticks))
