@@ -589,3 +589,19 @@ def test_an_operator_is_added_given_times_and_planned(
     assert planned(page, expect)[0] != "23 s, stress 7"
     button(page, "Remove ben").click()
     assert planned(page, expect)[0] == "23 s, stress 7"
+
+
+@browsing
+def test_in_an_empty_folder_a_cell_is_begun_and_saved(
+    browser: Any, tmp_path: Path, expect: Callable[..., Any]
+) -> None:
+    studio = Studio(browser, tmp_path)
+    page = studio.open()
+    button(page, "Add task").click()
+    enter(page, 0, "human [s]", "4")
+    expect(button(page, "Plan")).to_be_enabled()
+    button(page, "Save").click()
+    expect(page.get_by_role("status")).to_contain_text("cell.yaml is saved")
+    assert planned(page, expect) == ["4 s, stress 0"]
+    studio.close()
+    assert "human: 4" in (tmp_path / "cell.yaml").read_text()

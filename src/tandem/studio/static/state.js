@@ -74,7 +74,8 @@ export function redo() {
 
 // ---- the file
 
-export const file = signal({ name: "", version: "" });
+/** Its version is that of the content that was read; undefined for one that is yet to be made. */
+export const file = signal(/** @type {{name: string, version: string | undefined}} */ ({ name: "", version: "" }));
 const savedText = signal("");
 export const dirty = computed(() => work.value !== null && textOf(cell.value) !== savedText.value);
 /** The newer state of the file that a save met, until the user has chosen. */
@@ -90,6 +91,7 @@ export async function listFiles() {
 /** Reads a file as it is. @param {string} [name] */
 export async function open(name) {
   const { status: code, document } = await api.readCell(name);
+  if (code === 404 && !name) return beginNew();
   if (code !== 200) return say("status.refused", { reason: reasonOf(document) }, "bad");
   batch(() => {
     file.value = { name: document.name, version: document.version };
@@ -100,6 +102,16 @@ export async function open(name) {
     unsaved.value = document.draft?.cell ?? null;
   });
   say("status.ready", { name: document.name });
+}
+
+/** In a folder without a cell: one to begin with, which saving makes a file. */
+function beginNew() {
+  const operators = ["human", "robot"].map((kind) => ({ name: kind, kind }));
+  batch(() => {
+    file.value = { name: "cell.yaml", version: undefined };
+    work.value = { cell: { format: 1, operators, tasks: [] }, hand: null, locks: [] };
+  });
+  say("status.new", { name: file.value.name });
 }
 
 /** What was not saved when the studio was stopped last, until the user has chosen. */
