@@ -19,6 +19,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
+import tandem
+
 STATIC = Path(__file__).parents[2] / "src/tandem/studio/static"
 VENDOR = STATIC / "vendor"
 THESIS = Path(__file__).parents[2] / "examples/thesis.yaml"
@@ -214,6 +216,23 @@ def test_an_edit_is_undone_redone_planned_and_saved(
     assert "human: 18" in studio.path.read_text()
     assert "Exemplary assembly" in studio.path.read_text()
     expect(button(page, "Save")).to_be_disabled()
+
+
+@browsing
+def test_what_each_human_bears_is_written_as_by_hand(
+    studio: Studio, expect: Callable[..., Any]
+) -> None:
+    page = studio.open()
+    enter(page, 4, "Stress", "human: 2.5")
+    expect(cell_at(page, 4, "Stress")).to_have_text("human: 2.5")
+    button(page, "Save").click()
+    expect(page.get_by_role("status")).to_contain_text("is saved")
+    assert tandem.load(studio.path).tasks["5"].stress == {"human": 2.5}
+    button(page, "Deutsch").click()
+    belastung = cell_at(page, 4, "Belastung")
+    expect(belastung).to_have_text("human: 2,5")
+    enter(page, 4, "Belastung", "human: 1,5")
+    expect(belastung).to_have_text("human: 1,5")
 
 
 @browsing
