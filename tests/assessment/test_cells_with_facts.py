@@ -21,7 +21,7 @@ from tandem.files.load import dumps, load, loads
 from tandem.files.spreadsheet.draft import read_workbook
 from tandem.files.spreadsheet.template import export_cell
 
-EXAMPLE = Path(__file__).parents[2] / "examples/thesis-with-facts.yaml"
+EXAMPLE = Path(__file__).parents[2] / "examples/ergonomics/thesis-with-facts.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,10 @@ def test_the_example_is_the_cell_of_the_thesis_but_for_its_facts(cell):
     data = cell.to_dict()
     for task in data["tasks"].values():
         task.pop("ergonomics", None)
-    assert {**data, "name": ""} == {**load(EXAMPLE.parent / "thesis.yaml").to_dict(), "name": ""}
+    assert {**data, "name": ""} == {
+        **load(EXAMPLE.parents[1] / "thesis.yaml").to_dict(),
+        "name": "",
+    }
 
 
 def test_a_persons_shift_is_the_sum_of_the_plans_tasks_by_the_cycles(cell):

@@ -106,7 +106,11 @@ def test_a_setting_in_a_stage_is_reached_by_its_place():
 
 STAGE = '{"steps": 64, "entropie": 1}'
 TOLD = [
-    ("station", "sees=mine", "--set sees 'mine': choose 'thesis' or 'scaled' or 'normalised'."),
+    (
+        "station",
+        "sees=mine",
+        "--set sees 'mine': choose 'thesis' or 'scaled' or 'bounded' or 'normalised'.",
+    ),
     ("station", "pace=foo", "--set pace 'foo': choose 'ticks' or 'decisions'."),
     (
         "station",

@@ -186,6 +186,7 @@ STYLE = """
 /* The widest table has a dozen columns: as narrow as their words on a screen, which scrolls when
    that is not enough; on paper nothing scrolls. */
 .wide table { font-size: .93rem; }
+.wide th, .wide td { padding-right: .5rem; }
 .wide tbody th { min-width: 0; }
 @media print {
   .figures { grid-template-columns: 1fr 1fr; }
