@@ -52,7 +52,9 @@ def test_limits_are_kept_and_said(capsys: pytest.CaptureFixture):
         (["--limit", "stress=3"], "--limit goes with --measure or --axes"),
         (["--axes", "makespan,stress", "--takt", "3"], "--takt: not with --measure or --axes"),
         (["--axes", "makespan,stress", "-o", "front.xlsx"], "are written as .json"),
-        (["--measure", "stress", "--axes", "makespan,stress"], "--measure beside --axes"),
+        (["--measure", "stress", "--axes", "makespan,stress"], "exclude each other"),
+        (["--shift", "3600"], "--shift goes with --measure or --axes"),
+        (["--cycles-per-shift", "5", "--limit", "stress=1"], "--cycles-per-shift go with"),
         (["--measure", "peek:stress"], "Did you mean 'peak'"),
     ],
 )

@@ -42,6 +42,13 @@ EXCLUDED = {
 }
 """Options that fronts over other measures do not know."""
 
+OF_MEASURES = {
+    "limit": "--limit",
+    "shift": "--shift",
+    "cycles_per_shift": "--cycles-per-shift",
+}
+"""Options that nothing but fronts over other measures knows."""
+
 
 def axes_options(command: F) -> F:
     """`--measure`, `--axes` and what goes with them."""
@@ -121,8 +128,11 @@ def asked_of(
     asked = Asked(measures, axes, shift_s, cycles, limits)
     if asked:
         _refuse_others(outputs)
-    elif limits:
-        raise UsageError("--limit goes with --measure or --axes, such as --axes makespan,stress.")
+    elif alone := [option for name, option in OF_MEASURES.items() if is_given(name)]:
+        goes = "goes" if len(alone) == 1 else "go"
+        raise UsageError(
+            f"{', '.join(alone)} {goes} with --measure or --axes, such as --axes makespan,stress."
+        )
     return asked
 
 
@@ -132,9 +142,9 @@ def _refuse_others(outputs: Iterable[Path]) -> None:
 
     outputs = tuple(outputs)
     wrong = [option for name, option in EXCLUDED.items() if is_given(name)]
-    if is_given("measure") and is_given("axes"):
-        wrong.append("--measure beside --axes")
     told = [f"{', '.join(wrong)}: not with --measure or --axes; take it out."] if wrong else []
+    if is_given("measure") and is_given("axes"):
+        told.append("--measure and --axes exclude each other: give one of them.")
     kinds = (".json", *PICTURES)
     told += [
         f"{path}: fronts over measures are written as {', '.join(kinds)}."
