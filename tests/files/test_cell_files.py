@@ -20,7 +20,10 @@ from tandem.files.load import dump, dumps, load, loads
 from tandem.files.validate import cell_of
 from tandem.files.yaml_reader import scalar
 
-EXAMPLES = sorted(Path(__file__).parents[2].glob("examples/*.yaml"))
+EXAMPLES = [
+    *sorted(Path(__file__).parents[2].glob("examples/*.yaml")),
+    Path(__file__).parents[2] / "examples/ergonomics/thesis-with-facts.yaml",
+]
 
 
 @given(cells())

@@ -16,7 +16,10 @@ from tandem.files.formats.table import FORMATS
 from tandem.files.load import loads
 from tandem.files.schema import SHIPPED, schema, schema_text
 
-EXAMPLES = sorted(Path(__file__).parents[2].glob("examples/*.yaml"))
+EXAMPLES = [
+    *sorted(Path(__file__).parents[2].glob("examples/*.yaml")),
+    Path(__file__).parents[2] / "examples/ergonomics/thesis-with-facts.yaml",
+]
 VALIDATOR = Draft202012Validator(schema())
 
 

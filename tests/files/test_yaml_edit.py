@@ -130,7 +130,10 @@ def test_what_cannot_be_changed_in_place_is_written_anew():
     assert loads(changed("[1, 2]", {}, loads(WRITTEN))) == loads(WRITTEN)
 
 
-EXAMPLES = sorted(Path("examples").glob("*.yaml"))
+EXAMPLES = [
+    *sorted(Path("examples").glob("*.yaml")),
+    Path("examples/ergonomics/thesis-with-facts.yaml"),
+]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
