@@ -62,7 +62,7 @@ def test_the_chosen_point_is_what_comes_of_a_shift(
     know the pace is not enough to leave the plan.
     """
     digest = json.loads(plan_file.read_text())["front"][point - 1]["digest"]
-    asked = ("--policy", name, "--plan", plan_file, "--point", point, "--change-penalty", 5)
+    asked = ("--policy", name, "--plan", plan_file, "--point", point)
     decisions, summary, _ = shift(tandem_, *asked, "--simulate", "compliant")
     assert (summary["makespan"], summary["stress"]) == values
     said = [one["why"] for one in decisions if one["starts"] or one["asks"]]

@@ -239,7 +239,7 @@ def _live(
 
 def _settings(cell: Cell, given: dict[str, Any]) -> Settings:
     """Of a new shift."""
-    from tandem.cli.following import steered
+    from tandem.cli.following import change_penalty, steered
     from tandem.dispatch.deciders.policy import Options
     from tandem.dispatch.lookahead.branch_and_bound import measured
     from tandem.dispatch.shift.live import Settings
@@ -250,7 +250,7 @@ def _settings(cell: Cell, given: dict[str, Any]) -> Settings:
         steps_per_ms=measured(),
         seed=given["seed"],
         frozen_s=given["frozen"],
-        change_penalty=given["change_penalty"],
+        change_penalty=change_penalty(given, plan),
         learned=given["learned"],
         plan=plan,
         **({} if given["prior"] is None else {"prior": given["prior"]}),

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 FRONT_S = 5.0
 """Seconds for the front whose recommended point gives the weights."""
+WORTH_LEAVING = 0.02
+"""Share of a plan's makespan that leaving it must gain where nothing is said; it is also what
+`tandem replan --allow` pays for staying near a plan."""
 
 
 def steered(
@@ -68,6 +71,17 @@ def steered(
     # a fixed plan that is made for the recommended point is that point's, and no other of its kind
     carried = _chosen(front, point) if "fixed" in policies and limit is None else None
     return objective, carried
+
+
+def change_penalty(given: dict[str, Any], chosen: Chosen | None) -> float:
+    """Seconds to gain before an announced task is changed or the plan is left: what is given, else
+    a share of the makespan of the plan that was given, else none.
+    """
+    if given["change_penalty"] is not None:
+        return float(given["change_penalty"])
+    if given["plan"] is None or chosen is None:
+        return 0.0
+    return WORTH_LEAVING * chosen.basis.makespan
 
 
 def stored(path: Path, cell: Cell, given: dict[str, Any]) -> tuple[Front, int]:

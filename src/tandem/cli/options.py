@@ -133,8 +133,7 @@ _OF_DECIDERS = (
     click.option(
         "--change-penalty",
         type=click.FloatRange(0.0),
-        default=0.0,
-        show_default=True,
+        show_default="2 % of the plan's makespan with --plan, else 0",
         help="Seconds to gain before an announced task is changed, or the plan is left.",
     ),
     click.option(

@@ -165,7 +165,7 @@ def _remarks(document: dict[str, Any]) -> Iterator[str]:
 
 def _told(cell: Cell, policies: tuple[str, ...], given: dict[str, Any]) -> dict[str, Any]:
     """What is to be small, what may happen, and what the deciders are told: as `judge` takes it."""
-    from tandem.cli.following import steered
+    from tandem.cli.following import change_penalty, steered
     from tandem.dispatch.deciders.policy import Options
     from tandem.world.randomness import Chance
 
@@ -184,7 +184,7 @@ def _told(cell: Cell, policies: tuple[str, ...], given: dict[str, Any]) -> dict[
             budget_ms=given["budget"],
             seed=given["seed"],
             frozen_s=given["frozen"],
-            change_penalty=given["change_penalty"],
+            change_penalty=change_penalty(given, plan),
             learned=given["learned"],
             plan=plan,
             **prior,
