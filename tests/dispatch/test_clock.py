@@ -17,7 +17,8 @@ from tests.dispatch.stations import THESIS
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Decision, Options
-from tandem.dispatch.deciders.replan import WARMING, Robust, plain
+from tandem.dispatch.deciders.replan import plain
+from tandem.dispatch.deciders.robust import WARMING, Robust
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.lookahead.branch_and_bound import (
     A_SET,

@@ -13,7 +13,7 @@ from tests.effort import calls
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.beliefs import Models
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.deciders.replan import BRIEFLY, Robust, robust
+from tandem.dispatch.deciders.robust import BRIEFLY, Robust, robust
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.lookahead.objective import SECONDS

@@ -11,7 +11,7 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_rule import by_rule
 from tandem.dispatch.deciders.policy import Chosen, Decision, Options, Policy, plan_of
-from tandem.dispatch.deciders.replan import robust
+from tandem.dispatch.deciders.robust import robust
 from tandem.dispatch.deciders.table import POLICIES
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.situation.model import Situation

@@ -98,7 +98,7 @@ POLICIES: Table[Entry | Theirs] = Table(
         "replan-robust": Entry(
             "as replan, with each person's estimated pace; of good plans the one that is best on"
             " average",
-            "tandem.dispatch.deciders.replan:robust",
+            "tandem.dispatch.deciders.robust:robust",
             follows=True,
         ),
         "expected": Entry(
