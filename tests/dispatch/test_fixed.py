@@ -196,7 +196,7 @@ def test_who_refuses_leaves_the_task_to_the_quickest_who_can() -> None:
 
 def test_what_was_not_proven_in_the_time_given_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     """With next to no time the plan is the best of a few rules, and its bounds lie below it."""
-    monkeypatch.setattr("tandem.dispatch.deciders.fixed.PLANNING_S", 1e-6)
+    monkeypatch.setattr("tandem.dispatch.deciders.fixed.PLANNING_WORK", 1e-6)
     basis = planned(layered(40, seed=1)).basis
     assert not basis.proven
     assert basis.least_makespan < basis.makespan

@@ -311,7 +311,7 @@ def test_the_document_says_what_plan_was_carried_out(
         "bound": {"makespan": 23, "stress": 7},
     }
     assert "plan" not in row(document, "spt")
-    monkeypatch.setattr("tandem.dispatch.deciders.fixed.PLANNING_S", 1e-6)
+    monkeypatch.setattr("tandem.dispatch.deciders.fixed.PLANNING_WORK", 1e-6)
     file = written(layered(40, seed=1), tmp_path)
     assert run(["simulate", file, "--policy", "fixed", "--episodes", "2", "--json", "-q"]) == 0
     said = capsys.readouterr()

@@ -174,6 +174,7 @@ def _limits(job: Job) -> Mapping[str, Any]:
 
 
 def _dispatched(job: Job, cell: Cell) -> dict[str, Any]:
+    from tandem.dispatch.evaluation.best_response import PLANNING_WORK
     from tandem.dispatch.evaluation.trial import mean_optimum
 
     assert job.people is not None
@@ -185,7 +186,7 @@ def _dispatched(job: Job, cell: Cell) -> dict[str, Any]:
             episodes,
             job.seed or 0,
             objective=objective,
-            work=job.setting("work"),
+            work=job.setting("work") or PLANNING_WORK,
         )
         if least is None:
             reason = "it cannot be computed beside these people"

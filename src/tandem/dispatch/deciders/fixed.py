@@ -24,9 +24,10 @@ from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import exact, made_ready
 
-PLANNING_S = 20.0
-"""The plan is made once, before the shift, and takes until it is proven; so many seconds at the
-most.
+PLANNING_WORK = 5.0
+"""The plan is made once, before the shift, and takes until it is proven; so much work at the most,
+in CP-SAT's deterministic seconds, some 10 s of a processor. Limited by a clock, it would be another
+plan on another machine.
 """
 
 
@@ -36,7 +37,7 @@ def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
     Raises:
       CellError: as `Moves.of` does.
       InfeasibleError: no plan keeps the limits and deadlines.
-      NothingFoundError: none was found within `PLANNING_S`.
+      NothingFoundError: none was found by `PLANNING_WORK`.
     """
     models = Models(cell, objective.max_stress)
     models.of(Situation.of(cell), 1.0)
@@ -45,7 +46,7 @@ def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
     best = plan(
         cell,
         objective.question(),
-        time_limit=PLANNING_S,
+        work=PLANNING_WORK,
         seed=options.seed,
         workers=1,
         confirm=False,

@@ -18,24 +18,22 @@ from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan.methods import plan
 from tandem.world.people import Person
 
-PLANNING_S = 20.0
-"""Seconds for proving the optimum of a cell that is too large for dynamic programming, beside
-somebody who does all that is asked.
+PLANNING_WORK = 6.0
+"""For proving the optimum of a cell that is too large for dynamic programming, beside somebody who
+does all that is asked: CP-SAT's deterministic seconds, so that it repeats exactly.
 """
-PLANNING_WORK_S = 6.0
-"""The same where humans need other times than stated, in CP-SAT's deterministic seconds."""
 
 
 def optimum(
-    cell: Cell, objective: Objective, person: Person, work: float | None = None
+    cell: Cell, objective: Objective, person: Person, work: float = PLANNING_WORK
 ) -> float | None:
     """The least expected cost beside this person, of a decider who knows all about it; times
     certain. None where it cannot be computed.
 
     People whose times or habits change during the shift, or who make mistakes or refuse for good,
     have none. Beside whoever complies it is the cell's proven optimum at their pace, whatever the
-    size; beside others the cell must be small. `work` limits that proof by work (CP-SAT's
-    deterministic seconds) instead of `PLANNING_S`, so that it repeats exactly.
+    size, where so much `work` proves it (CP-SAT's deterministic seconds); beside others the cell
+    must be small.
     """
     human = as_modelled(person)
     if human is None:
@@ -79,7 +77,7 @@ def complies(human: Human) -> bool:
 
 
 def _planned(
-    cell: Cell, objective: Objective, pace: dict[str, float], work: float | None
+    cell: Cell, objective: Objective, pace: dict[str, float], work: float
 ) -> float | None:
     """The proven optimum of the plan at this pace, deadlines aside; None when it was not proven in
     time.
@@ -92,7 +90,7 @@ def _planned(
     found = solve(
         left,
         (objective.time / moves.instance.per_second, objective.stress / moves.instance.per_stress),
-        work_s=PLANNING_WORK_S,
+        work_s=work,
     )
     if found is None or not found.proven:
         return None
@@ -101,7 +99,7 @@ def _planned(
     )
 
 
-def _as_stated(cell: Cell, objective: Objective, work: float | None) -> float | None:
+def _as_stated(cell: Cell, objective: Objective, work: float) -> float | None:
     """The same at the stated times, for which the planner itself can be asked. Deadlines rule out
     nothing on the floor.
     """
@@ -120,7 +118,6 @@ def _as_stated(cell: Cell, objective: Objective, work: float | None) -> float | 
         best = plan(
             free,
             objective.question(),
-            time_limit=PLANNING_S,
             work=work,
             workers=1,
             confirm=False,

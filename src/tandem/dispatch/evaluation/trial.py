@@ -19,7 +19,7 @@ from tandem.dispatch.deciders.own import OwnPolicyError
 from tandem.dispatch.deciders.policy import Chosen, Options, Policy, plan_of
 from tandem.dispatch.deciders.table import POLICIES, theirs
 from tandem.dispatch.evaluation.batch import EpisodeBatch, Outcome
-from tandem.dispatch.evaluation.best_response import optimum
+from tandem.dispatch.evaluation.best_response import PLANNING_WORK, optimum
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.errors import CellError, TandemError, UsageError
 from tandem.extensions import is_dotted
@@ -268,7 +268,7 @@ def mean_optimum(
     seed: int,
     *,
     objective: Objective = SECONDS,
-    work: float | None = None,
+    work: float = PLANNING_WORK,
 ) -> float | None:
     """The exact optimum that `judge` holds deciders against, mean over its episodes; None where it
     cannot be computed.
@@ -288,7 +288,7 @@ def best_of(
     objective: Objective,
     chance: Chance,
     persons: Person,
-    work: float | None = None,
+    work: float = PLANNING_WORK,
 ) -> Any:
     """`[E]`, per episode the exact optimum beside its person; None where it cannot be computed.
     `work`: as `optimum` takes it.
