@@ -76,9 +76,7 @@ def complies(human: Human) -> bool:
     )
 
 
-def _planned(
-    cell: Cell, objective: Objective, pace: dict[str, float], work: float
-) -> float | None:
+def _planned(cell: Cell, objective: Objective, pace: dict[str, float], work: float) -> float | None:
     """The proven optimum of the plan at this pace, deadlines aside; None when it was not proven in
     time.
     """
