@@ -63,10 +63,12 @@ def test_what_a_killed_command_left_half_written_is_dropped(tmp_path):
     assert "Error" not in again.stderr
 
 
-def test_what_the_user_has_set_stays(tmp_path):
-    assert asked(ASK, JAX_COMPILATION_CACHE_DIR=str(tmp_path / "own")).stdout.strip() == str(
-        tmp_path / "own"
-    )
+def test_a_folder_that_the_user_has_named_is_left_alone(tmp_path):
+    entry = tmp_path / "somebody-else-cache"
+    entry.touch()
+    found = asked(ASK, JAX_COMPILATION_CACHE_DIR=str(tmp_path))
+    assert found.stdout.strip() == str(tmp_path)
+    assert entry.exists()
 
 
 def test_where_nothing_can_be_kept_nothing_is_said(tmp_path):

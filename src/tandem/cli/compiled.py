@@ -33,26 +33,25 @@ def needs_jax(purpose: str) -> None:
 
 
 def keep_compiled() -> None:
-    """Names JAX a folder in the user's cache, by JAX's own variables and only where they are not
-    set: JAX reads them when it is imported.
+    """Names JAX a folder in the user's cache, by JAX's own variables: JAX reads them when it is
+    imported. A folder that the user has named is the user's: nothing is set or dropped there.
 
     Nothing is kept, and nothing said, where learning is not installed or the folder cannot be made.
     """
+    if os.environ.get("JAX_COMPILATION_CACHE_DIR"):
+        return
     try:
         from filelock import FileLock, Timeout
         from platformdirs import user_cache_path
 
-        folder = Path(
-            os.environ.get("JAX_COMPILATION_CACHE_DIR")
-            or user_cache_path("tandem") / f"compiled-{_processor()}"
-        )
+        folder = user_cache_path("tandem") / f"compiled-{_processor()}"
         folder.mkdir(parents=True, exist_ok=True)
         # JAX's own lock
         with contextlib.suppress(Timeout), FileLock(folder / ".lockfile", timeout=1):
             _mend(folder)
     except (ImportError, OSError, RuntimeError):
         return
-    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(folder))
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
     os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", str(MOST_BYTES))
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
 
