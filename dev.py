@@ -63,7 +63,9 @@ def say(text: str) -> None:
 
 
 def environment() -> dict[str, str]:
-    """The caller's environment without what would lead an install or an import elsewhere."""
+    """The caller's environment without what would lead an install or an import elsewhere, or would
+    have every process compile our modules anew: that is half a second for each command.
+    """
     kept = {
         k: v
         for k, v in os.environ.items()
@@ -71,6 +73,7 @@ def environment() -> dict[str, str]:
         not in (
             "PYTHONHOME",
             "PYTHONPATH",
+            "PYTHONDONTWRITEBYTECODE",
             "PIP_USER",
             "PIP_TARGET",
             "PIP_PREFIX",
