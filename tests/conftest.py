@@ -58,9 +58,14 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
     gc.disable()
     found = yield
     gc.enable()
+    _set_aside()
+    return found
+
+
+def _set_aside() -> None:
+    gc.unfreeze()
     gc.collect()
     gc.freeze()
-    return found
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -72,7 +77,8 @@ def _room_for_what_the_next_module_compiles() -> Iterator[None]:
     if "jax" in sys.modules:
         from tandem.learn.room import make_room
 
-        make_room()
+        if make_room():  # what was compiled may refer to itself, and would stay while it is aside
+            _set_aside()
 
 
 @pytest.hookimpl(wrapper=True)

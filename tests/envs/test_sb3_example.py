@@ -14,6 +14,16 @@ from tandem.files.load import load
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
+@pytest.mark.parametrize("by", ["ticks", "decisions"])
+def test_maskable_ppo_plays_by_the_rules_from_its_first_steps(by):
+    """Two of its rollouts: nothing is learned yet, and whatever is played is a sound schedule."""
+    pytest.importorskip("sb3_contrib", reason="pip install 'tandem[sb3]' to run it")
+    learn = runpy.run_path(str(EXAMPLES / "sb3_maskable_ppo.py"))["learn"]
+    found = learn(load(EXAMPLES / "thesis.yaml"), by=by, steps=1_024, target=23.0, seed=0)
+    assert found.makespan >= 23
+    assert found.gantt.count("|") == 7
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("by", ["ticks", "decisions"])
 def test_maskable_ppo_learns_the_thesis_example(by):
