@@ -146,7 +146,7 @@ def test_values_from_before_the_shift_are_those_of_that_work_alone() -> None:
 
 @pytest.fixture
 def nothing_aside() -> Iterator[None]:
-    """As a command finds its process. The suite sets its own objects aside (`tests/conftest.py`)."""
+    """As a command finds its process: `tests/conftest.py` sets the objects of the suite aside."""
     gc.unfreeze()
     yield
     gc.freeze()
