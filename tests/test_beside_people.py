@@ -26,7 +26,7 @@ import beside_people  # noqa: E402  the program
 from beside_people import Job, Settings, difference, done, jobs, tables, work_off  # noqa: E402
 
 TINY = Settings(
-    sizes=(7,), cells=1, seeds=2, training=0.005, episodes=4, planned=((50, 2), (100, 2))
+    sizes=(7,), cells=1, seeds=2, training=0.02, episodes=4, planned=((50, 2), (500, 2))
 )
 KEPT = ROOT / "benchmarks" / "results" / "beside_people.json"
 

@@ -78,7 +78,7 @@ def test_nothing_is_worse_than_the_best_rule():
 
 def test_a_hint_is_where_it_begins():
     cell = layered(60, 2, 1, seed=5)
-    good = plan(cell, minimize="makespan", time_limit=1)[0]
+    good = plan(cell, minimize="makespan", time_limit=3)[0]
     assert (
         plan(cell, minimize="makespan", time_limit=0.3, hint=good.schedule)[0].makespan
         <= good.makespan
@@ -86,7 +86,7 @@ def test_a_hint_is_where_it_begins():
 
 
 def test_when_time_runs_out_every_point_carries_its_bounds():
-    front = plan(layered(80, 2, 2, seed=1), time_limit=1)
+    front = plan(layered(80, 2, 2, seed=1), time_limit=3)
     assert not front.complete
     for result in front:
         assert result.bound.makespan <= result.makespan
