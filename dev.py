@@ -6,6 +6,8 @@
     python3 dev.py test             format, lint, types, import rules, docs, tests
     python3 dev.py test --changed   only the tests that what you changed since the last commit can
                                     break, or since COMMIT
+    python3 dev.py test --torch     a short look at what needs PyTorch, which is large and installed
+                                    for this alone; ends with 3 where it cannot be
     python3 dev.py test ARGUMENTS   pytest alone, with these arguments
     python3 dev.py lint             all of `test` that is not a test
     python3 dev.py fix              mend what ruff can mend: format and simple findings
@@ -63,7 +65,9 @@ def say(text: str) -> None:
 
 
 def environment() -> dict[str, str]:
-    """The caller's environment without what would lead an install or an import elsewhere."""
+    """The caller's environment without what would lead an install or an import elsewhere, or would
+    have every process compile our modules anew: that is half a second for each command.
+    """
     kept = {
         k: v
         for k, v in os.environ.items()
@@ -71,6 +75,7 @@ def environment() -> dict[str, str]:
         not in (
             "PYTHONHOME",
             "PYTHONPATH",
+            "PYTHONDONTWRITEBYTECODE",
             "PIP_USER",
             "PIP_TARGET",
             "PIP_PREFIX",
@@ -323,6 +328,8 @@ def test(arguments: Sequence[str]) -> int:
     side_by_side = ("-q", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder")
     if arguments and arguments[0].startswith("--changed"):
         return call(PYTHON, "-m", "pytest", *side_by_side, *arguments)
+    if arguments == ["--torch"]:
+        return look_at_torch()
     if arguments:
         return call(PYTHON, "-m", "pytest", *arguments)
     failed = look()
@@ -330,6 +337,17 @@ def test(arguments: Sequence[str]) -> int:
     if failed:
         print(f"failed before the tests: {', '.join(failed)} (see above)", flush=True)
     return ended or (1 if failed else 0)
+
+
+def look_at_torch() -> int:
+    """Foreign learners and their checker on our environments; the long trainings are left out."""
+    try:
+        install("sb3")
+    except SystemExit as failed:
+        print(failed, file=sys.stderr)
+        say("PyTorch could not be installed here: the tests that need it did not run.")
+        return 3
+    return call(PYTHON, "-m", "pytest", "-q", "tests/envs", "-k", "sb3", "-m", "not slow")
 
 
 def docs(_: Sequence[str]) -> int:

@@ -165,6 +165,7 @@ def _commands(strings: list[str]) -> set[str]:
     return called or {module for module, *_ in VERBS.values()}
 
 
+@cache
 def _reads(path: Path, files: frozenset[str]) -> bool:
     """Whether the test file names one of the changed files that tests read, or its folder."""
     text = path.read_text(encoding="utf-8")

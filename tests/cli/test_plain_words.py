@@ -69,7 +69,7 @@ def commands(file: Path, cell: Cell, out: Path) -> list[list[str]]:
     name = str(file)
     first = next(iter(cell.tasks))
     way = cell.modes(first)[0]
-    quick = ["--time-limit", "1", "--workers", "1"]
+    quick = ["--time-limit", "0.5", "--workers", "1"]
     change = (
         ["--set", f"tasks.{first}.time.{way.operators[0]}=-10%"]
         if len(way.operators) == 1
@@ -85,7 +85,7 @@ def commands(file: Path, cell: Cell, out: Path) -> list[list[str]]:
         ["plan", name, "-q", *quick, "--without", next(iter(cell.operators))],
         ["check", name, str(out / "plan.json")],
         ["compare", str(out / "plan.json"), str(out / "plan.json"), "--point", "1"],
-        ["explain", name, "--time-limit", "3", "--workers", "1"],
+        ["explain", name, "--time-limit", "1", "--workers", "1"],
         [*floor, "random:0.5+pace:1.5", "--policy", "longest-tail"],
         [*floor, "forgetful:0.2", "--policy", "fixed", "--failures", "40", "--absences", "50"],
     ]
@@ -104,7 +104,7 @@ def test_what_commands_say_of_an_example_reads_like_prose(
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
 def test_what_would_help_reads_like_prose(file: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert (
-        odd_in(said(["sensitivity", str(file), "--time-limit", "4", "-q", "--each"], capfd)) == []
+        odd_in(said(["sensitivity", str(file), "--time-limit", "1", "-q", "--each"], capfd)) == []
     )
 
 

@@ -145,6 +145,15 @@ def test_values_from_before_the_shift_are_those_of_that_work_alone() -> None:
     assert sum(len(known.values) for known in first.before.values()) < WARMING
 
 
+@pytest.fixture
+def nothing_aside() -> Iterator[None]:
+    """As a command finds its process: `tests/conftest.py` sets the objects of the suite aside."""
+    gc.unfreeze()
+    yield
+    gc.freeze()
+
+
+@pytest.mark.usefixtures("nothing_aside")
 def test_what_exists_before_a_shift_is_left_out_of_collections_within_it() -> None:
     assert gc.isenabled()
     with settled_memory() as settle:
@@ -170,6 +179,16 @@ def test_circles_of_garbage_are_collected_between_decisions() -> None:
         assert gone() is None
 
 
+def test_what_a_program_had_set_aside_stays_aside() -> None:
+    gc.freeze()
+    before = gc.get_freeze_count()
+    with settled_memory():
+        made = [[number] for number in range(5000)]
+    assert gc.get_freeze_count() >= before
+    assert (gc.isenabled(), len(made)) == (True, 5000)
+
+
+@pytest.mark.usefixtures("nothing_aside")
 def test_memory_is_as_it_was_when_a_shift_is_interrupted() -> None:
     with pytest.raises(KeyboardInterrupt), settled_memory():
         raise KeyboardInterrupt

@@ -257,18 +257,17 @@ def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
     done: dict[str, list[Assignment]] = {name: [] for name in cell.operators}
     found: list[Assignment] = []
 
+    def change_of(task: str, mode: Mode, who: str) -> Decimal:
+        if not (cell.tools or cell.walking):
+            return Decimal(0)
+        last = Assignment(0, 0, task, mode.operators)
+        return exact(made_ready(cell, who, [*done[who], last])[-1].seconds)
+
     def start_of(task: str, mode: Mode) -> Decimal:
         ready = max(
             [exact(cell.tasks[task].release), *(ended[first] for first in cell.tasks[task].after)]
         )
-        change = {
-            who: exact(
-                made_ready(cell, who, [*done[who], Assignment(0, 0, task, mode.operators)])[
-                    -1
-                ].seconds
-            )
-            for who in mode.operators
-        }
+        change = {who: change_of(task, mode, who) for who in mode.operators}
         start = max([ready, *(free[who] + change[who] for who in mode.operators)])
         moved = True
         while moved:

@@ -111,7 +111,6 @@ def test_progress_only_gets_better_and_can_stop_the_search():
     assert front.interrupted
     assert seen == sorted(seen, reverse=True)
     assert front[0].makespan <= seen[-1]
-    assert front.wall_s < 30
 
 
 def test_infeasible_limits_are_explained_in_the_cells_words():

@@ -23,10 +23,10 @@ from tandem.plan.result import Front, Status
 from tandem.report.terminal import FrontView, GanttText, headline, remarks
 
 FRONTS = {
-    "thesis": thesis_front(),
-    "gearbox": gearbox_front(),
-    "desk": front_of(desk(), [greedy(desk())]),
-    "120 tasks": layered_front(),
+    "thesis": thesis_front,
+    "gearbox": gearbox_front,
+    "desk": lambda: front_of(desk(), [greedy(desk())]),
+    "120 tasks": layered_front,
 }
 
 
@@ -40,7 +40,7 @@ def printed(view: object, width: int = 80, *, encoding: str = "utf-8", **options
 @pytest.mark.parametrize("width", [40, 60, 80, 160])
 @pytest.mark.parametrize("name", FRONTS)
 def test_no_line_is_wider_than_the_terminal(name: str, width: int) -> None:
-    text = printed(FrontView(FRONTS[name]), width)
+    text = printed(FrontView(FRONTS[name]()), width)
     assert max(map(len, text.splitlines())) <= width
 
 
@@ -97,7 +97,7 @@ def test_human_and_robot_differ_without_colour() -> None:
 
 @pytest.mark.parametrize("name", FRONTS)
 def test_ascii_terminals_get_ascii(name: str) -> None:
-    text = printed(FrontView(FRONTS[name]), encoding="ascii")
+    text = printed(FrontView(FRONTS[name]()), encoding="ascii")
     assert text.isascii()
     assert "human" in text
 

@@ -81,12 +81,11 @@ def test_what_was_trained_without_mistakes_does_not_know_what_to_do_with_them_an
     assert all(exact - 1e-3 <= value < exact * 1.05 for value in ours["expected_s"])
 
 
-def test_seven_tasks_are_learned_exactly_in_well_under_a_second(short):
+def test_seven_tasks_are_learned_exactly(short):
     """The thesis's cell without slips: 547 states, 100,000 updates; 0.15 s on a core of its own."""
     speed = short[1]["speed"]
     assert speed["updates"] == 100_000
     assert speed["error_s"] < 1e-3
-    assert speed["wall_s"] < 2.0  # a busy machine is no fault of the code
 
 
 def test_even_draws_come_nearest(short):

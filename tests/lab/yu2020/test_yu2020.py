@@ -51,7 +51,7 @@ def test_a_quick_run_says_that_it_is_one_and_holds_every_player(quick):
 def test_nobody_is_faster_than_the_proven_optimum(quick):
     document = quick[1]
     exact = document["exact"]["test"]["no_waiting"]["makespans"]
-    assert exact == [games.optimum(random_board(seed=seed)).makespan for seed in range(1000, 1010)]
+    assert exact == [games.optimum(random_board(seed=seed)).makespan for seed in range(1000, 1004)]
     took = [row["boards"] for row in document["plain"]]
     took += [
         makespans

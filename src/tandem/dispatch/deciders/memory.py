@@ -18,15 +18,17 @@ def settled_memory() -> Iterator[Callable[[], None]]:
     when it likes, goes through them for a tenth of a second in the midst of a decision. Here each
     call goes through what came since the one before, a millisecond's work, and sets it aside; what
     was set aside and is not needed any more goes as always, but for what refers to itself in a
-    circle: that waits for the end.
+    circle: that waits for the end. A program that had set objects aside itself finds them aside
+    afterwards, and with them what was set aside here.
     """
-    was_enabled = gc.isenabled()
+    was_enabled, was_aside = gc.isenabled(), gc.get_freeze_count() > 0
     gc.disable()
     try:
         _settle()
         yield _settle
     finally:
-        gc.unfreeze()
+        if not was_aside:
+            gc.unfreeze()
         if was_enabled:
             gc.enable()
 

@@ -325,7 +325,7 @@ def _quick_records(seeds: int) -> Iterator[dict[str, Any]]:
                 FACTORS[seed % len(FACTORS)],
                 seed,
                 longer(recipe, QUICK / 4),
-                most_steps=20_000,
+                most_steps=5_000,
             )
 
 

@@ -48,6 +48,8 @@ FURTHER: dict[str, StationRecipe] = {
 
 OURS = "tandem"
 LIMIT = 1400
+UPDATES = 100
+"""Of one call: so many are compiled into one loop."""
 SAMPLED = 100
 MOST_STEPS = 400_000
 """A run of the thesis's recipe is ended there and counted as it stands: agents that stall play 1400
@@ -89,9 +91,10 @@ def run_thesis(
     world = StationWorld.of(thesis_cell(), recipe, stress_factor=factor)
     began = time.process_time()
     train_key, play_key = jax.random.split(jax.random.key(seed))
+    updates = min(UPDATES, math.ceil(most_steps / recipe.config.horizon))
     learner, reports = _start(train_key, world, recipe.config), []
     while int(learner.stage) < len(recipe.config.stages) and int(learner.steps) < most_steps:
-        learner, report = _advance(learner, world, recipe.config, 100)
+        learner, report = _advance(learner, world, recipe.config, updates)
         reports.append(jax.device_get(report))
     history = jax.tree.map(lambda *leaves: np.concatenate(leaves), *reports)
     cpu_s = time.process_time() - began

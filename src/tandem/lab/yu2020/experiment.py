@@ -30,7 +30,7 @@ STORED = "yu2020.json"
 SEEDS = 5
 RANDOM_GAMES, DESK_GAMES = 100, 2000
 TROUBLED_BOARDS, TROUBLED_GAMES = 10, 5
-QUICK_BOARDS, QUICK_TROUBLED_BOARDS = 10, 5
+QUICK_BOARDS, QUICK_TROUBLED_BOARDS = 4, 2
 
 PUBLISHED: dict[str, str | None] = {
     "boards": None,
@@ -60,7 +60,7 @@ def reproduce(
     stopped goes on from there.
 
     Args:
-      quick: ten boards, one seed, trainings of seconds.
+      quick: four boards, one seed, trainings of seconds.
       seeds: trainings of each recipe; 5 when absent.
     """
     with compiled_quickly() if quick else nullcontext():

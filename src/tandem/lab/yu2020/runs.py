@@ -91,8 +91,8 @@ QUICK = Sizes(
     replace(
         YuConfig(), outer=1, inner=1, switch=1, search=YuSearch(simulations=6, temperature=1000.0)
     ),
-    16,
-    10,
+    8,
+    4,
     (8, 8),
     (2, 2),
     0,
