@@ -21,7 +21,7 @@ from tandem.schedule.model import Schedule
 from tandem.world import state as world
 from tandem.world.arrays import Arrays, Names
 from tandem.world.episode import Shift, begin, decide, is_over, run_on
-from tandem.world.people import Person
+from tandem.world.people import Person, led
 from tandem.world.people import crew as crew_of
 from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Chance, Draw, scenario
@@ -100,15 +100,7 @@ class EventGame:
         """Everything to do again; chance and people are drawn from `rng`, all at once."""
         person = Person(*(value[0] for value in self.people.draw(rng, 1)))
         if self.free:
-            zero, one = np.float32(0), np.float32(1)
-            person = person._replace(
-                random=zero,
-                follows=one,
-                obeys=one,
-                taste=person.taste * zero,
-                refuses=zero,
-                postpones=zero,
-            )
+            person = led(person)
         self.crew = crew_of(self.arrays, person)
         self.scenario = scenario(self.draw, self.arrays, rng.random(self.draw.numbers, np.float32))
         self.shift: Shift = begin(self.arrays, self.crew)
