@@ -19,7 +19,7 @@ from tandem.envs.rewards import Happening, reward_of
 from tandem.errors import UsageError
 from tandem.schedule.model import Schedule
 from tandem.world import state as world
-from tandem.world.arrays import Arrays, Names
+from tandem.world.arrays import Arrays, Names, namespace
 from tandem.world.episode import Shift, begin, decide, is_over, run_on
 from tandem.world.people import Person, led
 from tandem.world.people import crew as crew_of
@@ -282,13 +282,15 @@ class EventGame:
         return seconds - self.names.seconds(worked)
 
 
-def mask_of(arrays: Arrays, state: world.State, mask: Any, operator: int) -> NDArray[np.int8]:
-    """`[W + 1]`, 1 = the operator may choose it of what may begin (`mask` `[W]` bool); 0 waits, i
-    begins way i - 1. Who has nothing to choose waits.
+def mask_of(arrays: Arrays, state: world.State, mask: Any, operator: Any) -> NDArray[np.int8]:
+    """`[W + 1]`, 1 = the operator (`[]` int) may choose it of what may begin (`mask` `[W]` bool); 0
+    waits, i begins way i - 1. Who has nothing to choose waits.
     """
-    mine = np.asarray(world.legal_of(arrays, mask, np.int32(operator)))
-    waits = not mine.any() or bool(world.may_wait(arrays, state, mask, np.int32(operator)))
-    return np.concatenate([[waits], mine]).astype(np.int8)
+    xp = namespace(mask)
+    mine = world.legal_of(arrays, mask, operator)
+    waits = ~mine.any() | world.may_wait(arrays, state, mask, operator)
+    found: NDArray[np.int8] = xp.concatenate([xp.reshape(waits, (1,)), mine]).astype(xp.int8)
+    return found
 
 
 def ways_of(arrays: Arrays) -> NDArray[np.float32]:
