@@ -15,8 +15,6 @@ pytest.importorskip("jax", reason="needs tandem[learn]")
 
 import jax
 
-import tandem.envs
-from tandem.cell.model import Cell
 from tandem.envs.cells import Room
 from tandem.envs.functional import Functional, functional
 from tandem.envs.padding import AXES
