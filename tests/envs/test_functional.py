@@ -15,6 +15,7 @@ pytest.importorskip("jax", reason="needs tandem[learn]")
 
 import jax
 
+from tandem.cell.model import Cell
 from tandem.envs.cells import Room
 from tandem.envs.functional import Functional, functional
 from tandem.envs.padding import AXES
