@@ -480,3 +480,68 @@ def test_where_ray_is_missing_it_says_how_to_get_it(
     assert run(["bench", "sweep.yaml", "-o", "run", "--engine", "ray", "-q"]) == 2
     assert "pip install 'tandem[ray]'" in capsys.readouterr().err
     assert signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
+
+
+def test_learned_is_swept_by_name_each_seed_with_the_policy_of_its_training(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("jax", reason="needs tandem[learn]")
+    from tests.learn.drawn import run_of
+
+    from tandem.learn.training.evaluate import evaluate
+
+    folder = run_of(here / "trained", (0, 1))
+    asked = [
+        "--cell",
+        "thesis.yaml",
+        "--seeds",
+        "2",
+        "--episodes",
+        "2",
+        "--optimum-work",
+        "1",
+        "-q",
+    ]
+    live = ["bench", "--policy", "learned,spt", *asked]
+    assert run([*live, "--learned", "trained", "-o", "live"]) == 0
+    assert "learned" in capsys.readouterr().out
+    records = [json.loads(text) for text in files("live").values()]
+    found = {one["job"]["seed"]: one for one in records if one["job"]["who"] == "learned"}
+    for seed in (0, 1):
+        line = evaluate(folder, seed=seed, episodes=2).line("greedy")
+        assert (found[seed]["makespan"], found[seed]["stress"]) == (line.makespan, line.stress)
+    assert found[0]["job"]["learned"] != found[1]["job"]["learned"]
+    assert "path" not in found[0]["job"]
+    before = files("live")
+    assert run([*live, "--learned", "trained", "-o", "live"]) == 0
+    assert files("live") == before
+    # another training is another job
+    run_of(here / "again", (5, 1))
+    shutil.copy(here / "again/policy-5.safetensors", here / "trained/policy-0.safetensors")
+    assert run([*live, "--learned", "trained", "-o", "live"]) == 0
+    assert len(files("live")) == len(before) + 1
+    assert files("live").items() > before.items()
+
+
+def test_what_learned_cannot_play_is_said_at_once(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("jax", reason="needs tandem[learn]")
+    from tests.learn.drawn import run_of
+
+    run_of(here / "trained", (0,))
+    run_of(here / "other", (0,))
+    bench = ["bench", "-o", "live", "-q", "--policy"]
+    cells = ["--cell", "thesis.yaml", "--cell", "small"]
+    assert run([*bench, "learned", *cells]) == 2
+    assert "name `learned`" in capsys.readouterr().err
+    assert run([*bench, "spt", *cells, "--learned", "trained"]) == 2
+    assert "Name that policy too" in capsys.readouterr().err
+    assert run([*bench, "learned", *cells, "--learned", "trained", "--seeds", "2"]) == 2
+    told = capsys.readouterr().err
+    assert "has no policy of seed 1" in told
+    assert "no trained policy can play 'five-0'" in told
+    two = ["--learned", "trained", "--learned", "other", "--seeds", "1"]
+    assert run([*bench, "learned", "--cell", "thesis.yaml", *two]) == 2
+    assert "were both trained on 'thesis'" in capsys.readouterr().err
+    assert run([*bench, "learned", *cells, "--learned", "small"]) == 3

@@ -131,7 +131,12 @@ TOLD = [
     (
         "station",
         "config.stages.3.entropy=1",
-        "config.stages.3.entropy=1: the recipe has no such setting; it has pace, sees",
+        "config.stages.3.entropy=1: the recipe has no such setting; config.stages has 3, counted",
+    ),
+    (
+        "tandem",
+        "config.stages.0.entropie=1",
+        "no such setting; config.stages.0 has episodes, steps, entropy, learning_rate",
     ),
     (
         "tandem",

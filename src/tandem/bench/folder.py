@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from pydantic import Field
+
 from tandem.bench.jobs import Job
 from tandem.bench.outcome import Answer, Record, Took
 from tandem.bench.spec import Spec
@@ -47,6 +49,7 @@ class _Kept(Form):
     time_limit: float | None
     optimum_work: float
     budget: float
+    learned: dict[str, dict[str, tuple[str, str]]] = Field(default_factory=dict)
     version: str
 
 
@@ -96,7 +99,11 @@ class SweepFolder:
             raise CellError(faults)
         version, _ = kept.pop("version"), kept.pop("format")
         tuples = {key: tuple(kept[key]) for key in ("methods", "policies", "seeds", "weights")}
-        return Spec(**{**kept, **tuples, "cells": cells}), version
+        learned = {
+            cell: {int(seed): file for seed, file in files.items()}
+            for cell, files in kept["learned"].items()
+        }
+        return Spec(**{**kept, **tuples, "cells": cells, "learned": learned}), version
 
     def has(self, job: Job) -> bool:
         """Whether the job is done."""

@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 import tandem
 from tandem.bench.spec import Spec
+from tandem.bench.trained import LEARNED
 
 Kind = Literal["plan", "dispatch"]
 
@@ -37,6 +38,7 @@ class Job:
       people: description of those who are there, with a digest of their file; None of planning.
       settings: what else the result depends on, such as limits and weights.
       version: of Tandem; another one may find another result.
+      learned: file of the trained policy, and a digest of it; None for who plays none.
     """
 
     kind: Kind
@@ -46,11 +48,16 @@ class Job:
     people: tuple[str, str] | None
     settings: tuple[tuple[str, float | None], ...]
     version: str = tandem.__version__
+    learned: tuple[str, str] | None = None
 
     @cached_property
     def name(self) -> str:
         """Of its files: who, and a digest of all the rest."""
-        text = json.dumps(asdict(self), sort_keys=True)
+        told = asdict(self)
+        # what was trained counts, not where its file lies; who plays nothing trained says nothing
+        if (learned := told.pop("learned")) is not None:
+            told["learned"] = learned[1]
+        text = json.dumps(told, sort_keys=True)
         readable = re.sub(r"[^\w.-]+", "-", self.who).strip("-.")[:40]
         return f"{self.kind}-{readable}-{hashlib.sha256(text.encode()).hexdigest()[:16]}"
 
@@ -74,6 +81,7 @@ class Job:
             **({} if self.people is None else {"people": self.people[0]}),
             "settings": dict(self.settings),
             "version": self.version,
+            **({} if self.learned is None else {"learned": self.learned[1]}),
         }
 
 
@@ -129,6 +137,7 @@ def job_of(spec: Spec, task: Task, who: str, seed: int, version: str | None = No
         task.people,
         tuple(settings.items()),
         version or tandem.__version__,
+        spec.learned[task.cell][seed] if who == LEARNED and task.kind == "dispatch" else None,
     )
 
 

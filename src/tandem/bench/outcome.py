@@ -11,6 +11,7 @@ from time import perf_counter, process_time
 from typing import Any, Literal
 
 from tandem.bench.jobs import BEST_RULE, OPTIMUM, RANDOM, Job
+from tandem.bench.trained import digest_of_file
 from tandem.cell.model import Cell, plain
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.errors import InfeasibleError, NothingFoundError, TandemError, UsageError
@@ -219,7 +220,11 @@ def _judged(job: Job, cell: Cell, objective: Objective, named: list[str]) -> lis
     from tandem.dispatch.evaluation.trial import judge
 
     assert job.people is not None
-    chosen = None
+    chosen, learned = None, None
+    if job.learned is not None:
+        learned, digest = job.learned
+        if digest_of_file(learned) != digest:
+            raise UsageError(f"{learned}: was changed since the sweep began. Begin it again.")
     if job.who == FIXED:
         question, work = objective.question(), job.setting("work")
         seed = job.seed or 0
@@ -232,7 +237,12 @@ def _judged(job: Job, cell: Cell, objective: Objective, named: list[str]) -> lis
         int(job.setting("episodes") or 0),
         job.seed or 0,
         objective=objective,
-        options=Options(budget_ms=job.setting("budget") or 0.0, seed=job.seed or 0, plan=chosen),
+        options=Options(
+            budget_ms=job.setting("budget") or 0.0,
+            seed=job.seed or 0,
+            plan=chosen,
+            learned=learned,
+        ),
         yardstick=False,
     )
     rows: list[dict[str, Any]] = document["policies"]

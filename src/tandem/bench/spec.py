@@ -20,6 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from tandem.bench.trained import LEARNED, Trained, trained
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
 from tandem.errors import CellError, Fault, TandemError, UsageError
@@ -47,6 +48,7 @@ OPTIONS = {
     "time_limit": "--time-limit",
     "optimum_work": "--optimum-work",
     "budget": "--budget",
+    "learned": "--learned",
 }
 """Key of a file -> the option that says the same."""
 
@@ -68,6 +70,7 @@ class Spec:
         seconds of a clock, is the limit instead.
       optimum_work: the limit for proving what each cell is held against, in the same measure.
       budget: milliseconds for each decision of a policy.
+      learned: what the policy `learned` plays on each cell, with each seed.
     """
 
     cells: Mapping[str, Cell]
@@ -82,6 +85,7 @@ class Spec:
     time_limit: float | None = None
     optimum_work: float = 60.0
     budget: float = 50.0
+    learned: Trained = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values; of the cells their digests."""
@@ -99,6 +103,10 @@ class Spec:
             "time_limit": self.time_limit,
             "optimum_work": self.optimum_work,
             "budget": self.budget,
+            "learned": {
+                cell: {str(seed): list(file) for seed, file in files.items()}
+                for cell, files in self.learned.items()
+            },
         }
 
 
@@ -180,11 +188,12 @@ class _Reader:
         cells = self.cells()
         usual = Spec(cells)
         work, time_limit = self.limits(usual)
+        seeds = self.seeds(usual)
         spec = Spec(
             cells,
             methods,
             policies,
-            self.seeds(usual),
+            seeds,
             self.people(cells, bool(policies), usual),
             self.title(),
             self.whole("episodes", 2, 1_000_000, usual.episodes),
@@ -193,6 +202,7 @@ class _Reader:
             time_limit,
             self.positive("optimum_work", usual.optimum_work),
             self.positive("budget", usual.budget),
+            self.learned(cells, policies, seeds),
         )
         if not {"methods", "policies"} & set(self.data):
             where = () if self.document else ("methods",)
@@ -250,6 +260,29 @@ class _Reader:
         from tandem.dispatch.deciders.table import POLICIES
 
         return self.choices("policies", POLICIES, "policy", "tandem policies")
+
+    def learned(
+        self, cells: Mapping[str, Cell], policies: tuple[str, ...], seeds: tuple[int, ...]
+    ) -> Trained:
+        """What `learned` plays: of runs, and of policies' files."""
+        if LEARNED not in policies:
+            if "learned" in self.data:
+                self.note(("learned",), "is what the policy `learned` plays. Name that policy too.")
+            return {}
+        if "learned" not in self.data:
+            where = () if self.document else ("learned",)
+            self.note(where, "the policy `learned` plays what was trained: name `learned`, runs.")
+            return {}
+        paths = [self.beside(name, path) for path, name in self.texts("learned")]
+        try:
+            found, wrong = trained(paths, cells, seeds)
+        except CellError as error:
+            self.faults += error.faults
+            self.bad_file = True
+            return {}
+        for sentence in wrong:
+            self.note(("learned",), sentence)
+        return found
 
     def cells(self) -> dict[str, Cell]:
         """Label -> cell: of files, all in a folder, and instances by their names."""

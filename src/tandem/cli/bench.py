@@ -77,6 +77,9 @@ def _several(help_text: str, name: str) -> Callable[[F], F]:
 @_several("Methods of planning, joined by commas, as `tandem methods` lists them.", "--method")
 @_several("Who decides live, joined by commas, as `tandem policies` lists them.", "--policy")
 @_several("A cell file, a folder of them, or a benchmark's name; may be repeated.", "--cell")
+@_several(
+    "A run of `tandem train`, which the policy `learned` plays; may be repeated.", "--learned"
+)
 @click.option("--seeds", type=int, help="How many seeds, from 0 on; 5 when absent.")
 @_several("Who works there, as in `tandem simulate`; may be repeated.", "--people")
 @click.option("--episodes", type=int, help="Assemblies for each job of a policy; 200 when absent.")
@@ -148,6 +151,7 @@ def run_command(
     for name in ("methods", "policies"):
         told[name] = [one for text in told[name] for one in _split(text)] or None
     told["cells"] = list(told["cells"]) or None
+    told["learned"] = list(told["learned"]) or None
     told["people"] = _people(told["people"])
     spec = read_spec(spec_file, **told)
     if spec.policies:

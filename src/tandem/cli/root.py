@@ -72,6 +72,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "evaluate_command",
         "Play what a run has learned, beside the exact front.",
     ),
+    "crossplay": (
+        "tandem.cli.crossplay",
+        "crossplay_command",
+        "Play the robots of one run beside the humans of another.",
+    ),
     "play": (
         "tandem.cli.laboratory",
         "play_command",

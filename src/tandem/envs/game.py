@@ -19,9 +19,9 @@ from tandem.envs.rewards import Happening, reward_of
 from tandem.errors import UsageError
 from tandem.schedule.model import Schedule
 from tandem.world import state as world
-from tandem.world.arrays import Arrays, Names
+from tandem.world.arrays import Arrays, Names, namespace
 from tandem.world.episode import Shift, begin, decide, is_over, run_on
-from tandem.world.people import Person
+from tandem.world.people import Person, led
 from tandem.world.people import crew as crew_of
 from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Chance, Draw, scenario
@@ -100,15 +100,7 @@ class EventGame:
         """Everything to do again; chance and people are drawn from `rng`, all at once."""
         person = Person(*(value[0] for value in self.people.draw(rng, 1)))
         if self.free:
-            zero, one = np.float32(0), np.float32(1)
-            person = person._replace(
-                random=zero,
-                follows=one,
-                obeys=one,
-                taste=person.taste * zero,
-                refuses=zero,
-                postpones=zero,
-            )
+            person = led(person)
         self.crew = crew_of(self.arrays, person)
         self.scenario = scenario(self.draw, self.arrays, rng.random(self.draw.numbers, np.float32))
         self.shift: Shift = begin(self.arrays, self.crew)
@@ -290,13 +282,15 @@ class EventGame:
         return seconds - self.names.seconds(worked)
 
 
-def mask_of(arrays: Arrays, state: world.State, mask: Any, operator: int) -> NDArray[np.int8]:
-    """`[W + 1]`, 1 = the operator may choose it of what may begin (`mask` `[W]` bool); 0 waits, i
-    begins way i - 1. Who has nothing to choose waits.
+def mask_of(arrays: Arrays, state: world.State, mask: Any, operator: Any) -> NDArray[np.int8]:
+    """`[W + 1]`, 1 = the operator (`[]` int) may choose it of what may begin (`mask` `[W]` bool); 0
+    waits, i begins way i - 1. Who has nothing to choose waits.
     """
-    mine = np.asarray(world.legal_of(arrays, mask, np.int32(operator)))
-    waits = not mine.any() or bool(world.may_wait(arrays, state, mask, np.int32(operator)))
-    return np.concatenate([[waits], mine]).astype(np.int8)
+    xp = namespace(mask)
+    mine = world.legal_of(arrays, mask, operator)
+    waits = ~mine.any() | world.may_wait(arrays, state, mask, operator)
+    found: NDArray[np.int8] = xp.concatenate([xp.reshape(waits, (1,)), mine]).astype(xp.int8)
+    return found
 
 
 def ways_of(arrays: Arrays) -> NDArray[np.float32]:

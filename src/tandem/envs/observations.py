@@ -14,7 +14,9 @@ bounds.
 """
 
 
-def observe(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array:
+def observe(
+    arrays: Arrays, state: State, mask: Array, operator: Array, *, unit: Array | None = None
+) -> Array:
     """`[8 T + 6 O + W + 1]` float32 in 0..`MOST`, as the operator (`[]` int) sees it whose choice
     it is.
 
@@ -23,10 +25,10 @@ def observe(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array
     Per operator: whose choice it is, at work, away, has let its turn pass, its stress so far by the
     largest of a task, and what its work took so far by what it was to take (1 before anything was
     done). Per way: may begin now (`mask` `[W]`). Last the clock. Times in units of the mean
-    duration of a way.
+    duration of a way (`unit` `[]`, ticks, where some of the ways are not there).
     """
     xp = namespace(state.way)
-    unit = xp.mean(arrays.way_ticks)
+    unit = xp.mean(arrays.way_ticks) if unit is None else unit
     up, begun = mounted(state), state.way >= 0
     running = begun & ~up
     none = xp.zeros_like(begun)

@@ -147,6 +147,31 @@ class Algorithm(Protocol):
         """Writes the policy of the seed at that index."""
 
 
+class Pairs(Protocol):
+    """What an algorithm has besides whose robots can play with the humans of another policy in a
+    world of its own. Those of `tandem.learn.training.algorithms.DECIDERS` need none: they are put
+    together in the event world.
+    """
+
+    @staticmethod
+    def pair(
+        robot: Path,
+        human: Path,
+        cell: Cell,
+        order: TrainingOrder,
+        *,
+        seed: int,
+        episodes: int,
+        draws: bool,
+    ) -> list[Reached]:
+        """Episodes on the cell of the robots of one file beside the humans of another: one in which
+        all do what they think best, or so many with drawn actions.
+
+        Raises CellError for a file that is no policy of the algorithm, UsageError for two that
+        cannot play together.
+        """
+
+
 Worth = Callable[[Arrays, State, Array, Array], Array]
 """`[W + 1]` float32, how much is to be said for each way, the last one being to wait; minus
 infinity for what is not legal. Of the cell, how it stands, `[W]` bool what may begin now, `[]` int

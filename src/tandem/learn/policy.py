@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -105,6 +105,24 @@ class Policy:
             for row in rows
         ]
         return np.stack(outputs) if agent is None else outputs[0]
+
+    def unshared(self) -> Policy:
+        """The same policy with a network for each agent: what the shared one learns of whose turn
+        it is becomes each one's bias.
+        """
+        if not self.shared:
+            return self
+        number = len(self.agents)
+        actor = {
+            layer: {part: np.stack([array] * number) for part, array in parts.items()}
+            for layer, parts in self.actor.items()
+        }
+        weight = self.actor["0"]["weight"]
+        actor["0"] = {
+            "weight": actor["0"]["weight"][:, :-number],
+            "bias": actor["0"]["bias"] + weight[-number:],
+        }
+        return replace(self, actor=actor, shared=False)
 
     def predict(
         self,

@@ -76,6 +76,21 @@ def stacked(people: list[Person]) -> Person:
     )
 
 
+def led(person: Person) -> Person:
+    """The same person, who begins what it is told and nothing else: its pace, its fatigue and its
+    slips are left to it.
+    """
+    zero, one = np.float32(0), np.float32(1)
+    return person._replace(
+        random=zero,
+        follows=one,
+        obeys=one,
+        taste=person.taste * zero,
+        refuses=zero,
+        postpones=zero,
+    )
+
+
 def crew(arrays: Arrays, person: Person) -> Person:
     """`[O]` persons: this one for each human; a robot does what it is told and takes the stated
     time.

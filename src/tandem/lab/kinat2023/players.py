@@ -55,8 +55,8 @@ def players(
     assert isinstance(notes, StationRecipe)
     rewards = reward_set(notes.rewards, stress_factor=order.stress_factor)
     draws = np.random.default_rng(seed)
-    greedy = _episodes(cell, rewards, chooser(policy, notes.pace), 1, notes.pace)
-    sampled = _episodes(cell, rewards, chooser(policy, notes.pace, draws), episodes, notes.pace)
+    greedy = played(cell, rewards, chooser(policy, notes.pace), 1, notes.pace)
+    sampled = played(cell, rewards, chooser(policy, notes.pace, draws), episodes, notes.pace)
     finished = [episode for episode in sampled if episode.done]
     best = [min(finished, key=lambda episode: episode.cost)] if finished else sampled[:1]
     return {"greedy": greedy, "sampled": sampled, f"best of {episodes}": best}
@@ -149,9 +149,7 @@ def chooser(policy: Policy, pace: str, generator: np.random.Generator | None = N
     return choose
 
 
-def _episodes(
-    cell: Cell, rewards: Rewards, choose: Choose, episodes: int, pace: str
-) -> list[Reached]:
+def played(cell: Cell, rewards: Rewards, choose: Choose, episodes: int, pace: str) -> list[Reached]:
     """Episodes on the thesis's station."""
     scale = whole_ticks(cell)
     found = [

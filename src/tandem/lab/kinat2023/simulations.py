@@ -19,11 +19,14 @@ from tandem.cell.model import Cell
 from tandem.errors import UsageError
 from tandem.files.atomic import store
 from tandem.lab.kinat2023.episode import Episode, Experience, play, seconds
-from tandem.lab.kinat2023.players import chooser, policy_of_the_station
+from tandem.lab.kinat2023.players import chooser, played, policy_of_the_station
+from tandem.lab.kinat2023.recipe import StationRecipe
 from tandem.lab.kinat2023.rewards import reward_set
 from tandem.lab.kinat2023.station import whole_ticks
 from tandem.lab.kinat2023.world import HUMAN, ROBOT
+from tandem.learn.algorithm import TrainingOrder
 from tandem.learn.policy import Policy
+from tandem.learn.results import Reached
 
 MUST_AGREE = ("pace", "sees")
 """What two files must say alike of how their agents play."""
@@ -57,8 +60,7 @@ def agents_of(robot: Path, human: Path, cell: Cell) -> Policy:
             f"{robot} and {human} cannot play together: they have {'; '.join(differs)}. Take agents"
             " that were trained by one recipe."
         )
-    if first.shared:
-        return first
+    first, second = first.unshared(), second.unshared()
     actor = {
         layer: {
             part: np.stack([array[ROBOT], second.actor[layer][part][HUMAN]])
@@ -69,6 +71,26 @@ def agents_of(robot: Path, human: Path, cell: Cell) -> Policy:
     return Policy(
         first.agents, actor, first.activation, first.masked, first.shared, dict(first.notes)
     )
+
+
+def pair(
+    robot: Path,
+    human: Path,
+    cell: Cell,
+    order: TrainingOrder,
+    *,
+    seed: int,
+    episodes: int,
+    draws: bool,
+) -> list[Reached]:
+    """See `tandem.learn.algorithm.Pairs`."""
+    assert isinstance(order.recipe, StationRecipe)
+    policy, pace = agents_of(robot, human, cell), order.recipe.pace
+    rewards = reward_set(order.recipe.rewards, stress_factor=order.stress_factor)
+    generator = np.random.default_rng(seed) if draws else None
+    choose = chooser(policy, pace, generator)
+    # who draws nothing plays the same episode again and again
+    return played(cell, rewards, choose, episodes if draws else 1, pace)
 
 
 def simulations(

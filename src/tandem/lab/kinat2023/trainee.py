@@ -16,6 +16,7 @@ from tandem.lab.kinat2023.episode import seconds
 from tandem.lab.kinat2023.learn_env import StationWorld
 from tandem.lab.kinat2023.players import costs, players
 from tandem.lab.kinat2023.recipe import StationRecipe
+from tandem.lab.kinat2023.simulations import pair
 from tandem.lab.kinat2023.station import whole_ticks
 from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.networks import joined
@@ -37,6 +38,7 @@ class Trainee:
 
     players = staticmethod(players)
     costs = staticmethod(costs)
+    pair = staticmethod(pair)
 
     def __init__(self, order: TrainingOrder) -> None:
         assert isinstance(order.recipe, StationRecipe)

@@ -36,7 +36,7 @@ def players(
         cell, order.stress_factor, _chooser(policy, lambda logits: int(np.argmax(logits))), 1
     )
     sampled = played(
-        cell, order.stress_factor, _chooser(policy, lambda logits: _drawn(logits, draws)), episodes
+        cell, order.stress_factor, _chooser(policy, lambda logits: drawn(logits, draws)), episodes
     )
     return {
         "greedy": greedy,
@@ -53,7 +53,8 @@ def _chooser(policy: Policy, choose: Callable[[Array], int]) -> Decider:
     return decide
 
 
-def _drawn(logits: Array, draws: np.random.Generator) -> int:
+def drawn(logits: Array, draws: np.random.Generator) -> int:
+    """One of the choices, each as likely as the network believes in it; minus infinity is none."""
     legal = np.isfinite(logits)
     return int(
         sample(np, masked_log_softmax(np, np.where(legal, logits, 0.0), legal), draws.random(()))

@@ -147,10 +147,10 @@ def evaluate(
         )
     plays_on, order = cell or asked_cell(run, asked), order_of(run)
     learner = trainee(order.recipe.algorithm)
-    front, costs = _front(plays_on, front_limit), learner.costs(plays_on, order)
+    front, costs = exact_front(plays_on, front_limit), learner.costs(plays_on, order)
     found = learner.players(run.policy(seed), plays_on, order, seed=seed, episodes=episodes)
     found["random"] = at_random(plays_on, order.stress_factor, seed=seed, episodes=episodes)
-    lines = [_line(plays_on, front, costs, player, reached) for player, reached in found.items()]
+    lines = [line_of(plays_on, front, costs, player, reached) for player, reached in found.items()]
     rule = _best_rule(plays_on, front, costs)
     return Evaluation(
         plays_on,
@@ -161,9 +161,10 @@ def evaluate(
     )
 
 
-def _line(
+def line_of(
     cell: Cell, front: Front | None, paid: dict[str, Any], player: str, episodes: Sequence[Reached]
 ) -> Line:
+    """What a player's episodes come to, beside the exact front."""
     ended = [
         (episode.makespan, episode.stress)
         for episode in episodes
@@ -220,7 +221,8 @@ def _mean(values: Sequence[float]) -> tuple[float | None, float | None]:
     return plain(round(float(np.mean(values)), 4)), None if half is None else round(half, 4)
 
 
-def _front(cell: Cell, limit: float) -> Front | None:
+def exact_front(cell: Cell, limit: float) -> Front | None:
+    """The front within so many seconds; None where the planner found none."""
     try:
         return plan(cell, time_limit=limit, seed=0)
     except NothingFoundError:

@@ -80,10 +80,8 @@ def changed(base: AnyRecipe, settings: Sequence[str]) -> AnyRecipe:
     names = [setting.partition("=")[0] for setting in settings]
     for setting in settings:
         if not _put(data, setting):
-            faults.append(
-                f"{_short(setting)}: the recipe has no such setting; it has"
-                f" {', '.join(_names(_plain(base)))}."
-            )
+            there = _there(_plain(base), setting)
+            faults.append(f"{_short(setting)}: the recipe has no such setting; {there}.")
     faults += [
         f"{name}: is set {names.count(name)} times."
         for name in dict.fromkeys(names)
@@ -141,6 +139,23 @@ def _key(part: Any, word: str) -> str | int | None:
     if isinstance(part, list) and word.isdecimal() and int(word) < len(part):
         return int(word)
     return word if isinstance(part, dict) and word in part else None
+
+
+def _there(data: dict[str, Any], setting: str) -> str:
+    """What stands where the name leads astray: `config.stages.0.entropi` is told of a stage."""
+    part: Any = data
+    reached = list[str]()
+    for word in setting.partition("=")[0].split("."):
+        if (key := _key(part, word)) is None:
+            break
+        part = part[key]
+        reached.append(word)
+    way = ".".join(reached)
+    if isinstance(part, list):
+        return f"{way} has {len(part)}, counted from 0"
+    if isinstance(part, dict) and len(reached) > 1:
+        return f"{way} has {', '.join(part)}"
+    return f"it has {', '.join(_names(data))}"
 
 
 def _short(setting: str) -> str:
