@@ -16,7 +16,7 @@ from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from tandem.cell.language import Words, spoken
+from tandem.cell.language import spoken
 from tandem.errors import CellError, UnsoundScheduleError, UsageError
 from tandem.studio.asked import (
     EFFORT,
@@ -24,6 +24,7 @@ from tandem.studio.asked import (
     NAMES,
     NUMBER,
     PAIR,
+    POINTS,
     ROWS,
     TABLE,
     TEXT,
@@ -35,16 +36,11 @@ from tandem.studio.asked import (
     one_of,
     read,
 )
+from tandem.studio.questions import Tell, compare, measures, moved, recommend, schedule_of
 
 if TYPE_CHECKING:
-    from tandem.cell.model import Cell
     from tandem.plan.method import Progress
-    from tandem.plan.replanned import Replanned
     from tandem.plan.result import Front
-    from tandem.schedule.model import Schedule
-
-Tell = Callable[[Json], None]
-"""Takes what is known while a job goes on."""
 
 OPTIONS: dict[str, Kind] = {
     **EFFORT,
@@ -139,7 +135,7 @@ def place(request: Json, tell: Tell) -> Json:
     from tandem.schedule.placed import place as put
 
     cell = cell_in(request["cell"])
-    before = _schedule(request["assignments"])
+    before = schedule_of(request["assignments"])
     placed = put(cell, before, request["task"], request["operators"], request["start"])
     return {
         "allowed": placed.allowed,
@@ -167,7 +163,7 @@ def replan(request: Json, tell: Tell) -> Json:
     from tandem.schedule.placed import place as put
 
     cell = cell_in(request["cell"])
-    old = before = _schedule(request["assignments"])
+    old = before = schedule_of(request["assignments"])
     keep = list(request.get("keep", ()))
     if (where := request.get("place")) is not None:
         asked = read(where, PLACE, needed=PLACE, where="place.")
@@ -187,33 +183,10 @@ def replan(request: Json, tell: Tell) -> Json:
     t = spoken(request.get("lang", "en"), "tandem.studio")
     return {
         "point": found[0].to_dict(),
-        "sentence": moved(found, cell, old, t),
+        "sentence": moved(found.changes, cell, old, found[0].schedule, t),
         "complete": found.complete,
         "document": found.to_dict(),
     }
-
-
-def moved(found: Replanned, cell: Cell, old: Schedule, t: Words) -> str:
-    """How many tasks moved, how many of them to other operators, and what that costs."""
-    from tandem.schedule.measures import exact, makespan, stress
-
-    changes, new = found.changes, found[0]
-    others = changes.count("operator")
-    parts = [
-        t.count("moved", len(changes.changed)) if changes.changed else t("moved.none"),
-        *(
-            [t.count("operator", others) if others else t("operator.none")]
-            if changes.changed
-            else []
-        ),
-    ]
-    seconds = exact(new.makespan) - exact(makespan(old))
-    parts.append(t("time", seconds=t.signed(float(seconds))) if seconds else t("time.same"))
-    try:
-        more = exact(new.stress) - exact(stress(cell, old))
-    except (UnsoundScheduleError, KeyError):
-        return ", ".join(parts)  # the old plan is none of this cell
-    return ", ".join([*parts, *([t("stress", stress=t.signed(float(more)))] if more else [])])
 
 
 def explain(request: Json, tell: Tell) -> Json:
@@ -223,7 +196,7 @@ def explain(request: Json, tell: Tell) -> Json:
     from tandem.schedule.checker import faults
 
     cell = cell_in(request["cell"])
-    schedule = _schedule(request["assignments"])
+    schedule = schedule_of(request["assignments"])
     if wrong := faults(cell, schedule):
         raise UnsoundScheduleError(wrong)
     point = Result(cell, schedule, Status.FEASIBLE, Bound(0.0, 0.0))
@@ -324,13 +297,6 @@ def _meaning(text: str) -> tuple[str, str]:
     return header.strip(), meaning.strip()
 
 
-def _schedule(rows: list[Mapping[str, Any]]) -> Schedule:
-    """The schedule of `assignments`. Raises CellError with each row that is none."""
-    from tandem.report.results import schedules_of
-
-    return schedules_of({"front": [{"assignments": rows}]})[0]
-
-
 @dataclass(frozen=True)
 class Job:
     """A line of the table: what is done, the keys of its request besides the cell, and which of
@@ -365,6 +331,25 @@ class Job:
 JOBS: dict[str, Job] = {
     "plan": Job(plan, {"options": TABLE}),
     "place": Job(place, {"assignments": ROWS, **PLACE}, ("assignments", *PLACE), quick=True),
+    "measures": Job(
+        measures,
+        {"assignments": ROWS, "before": ROWS, "lang": LANGUAGE},
+        ("assignments",),
+        quick=True,
+    ),
+    "compare": Job(
+        compare,
+        {"other": TABLE, "points": POINTS, "other_points": POINTS, "lang": LANGUAGE},
+        ("other",),
+        quick=True,
+    ),
+    "recommend": Job(
+        recommend,
+        {"points": POINTS, "share": NUMBER, "max_makespan": NUMBER, "max_stress": NUMBER},
+        ("points",),
+        of_a_cell=False,
+        quick=True,
+    ),
     "replan": Job(
         replan,
         {

@@ -28,7 +28,9 @@ from tandem.studio.route import Handler, Route
 from tandem.studio.schemas import (
     ANYTHING,
     ASSIGNMENTS,
+    COMPARED,
     ERRORS,
+    MEASURES,
     PLAN,
     POINT,
     fails,
@@ -166,7 +168,8 @@ def answered_by(name: str) -> Handler:
         given = await asked_job(name, request, session)
         if JOBS[name].quick:
             do = partial(JOBS[name].do, given, _untold)
-            await anyio.to_thread.run_sync(sound, given["cell"])
+            if JOBS[name].of_a_cell:
+                await anyio.to_thread.run_sync(sound, given["cell"])
             return JSONResponse(await anyio.to_thread.run_sync(do))
         return JSONResponse(await session.pool.document(name, given))
 
@@ -369,6 +372,41 @@ ROUTES: tuple[Route, ...] = (
                 ),
             ),
             **fails(400, 403, 422),
+        },
+    ),
+    Route(
+        "POST",
+        "/api/measures",
+        answered_by("measures"),
+        "How each operator fares in a schedule, what is critical, why each task starts when it"
+        " does; with `before`, what differs from that schedule. Of a schedule that breaks its cell"
+        " only the last.",
+        asks="measures",
+        answers={200: MEASURES, **fails(400, 403, 422)},
+    ),
+    Route(
+        "POST",
+        "/api/compare",
+        answered_by("compare"),
+        "What differs between `cell` and `other`; with the points of both fronts, what becomes of"
+        " each of the first.",
+        asks="compare",
+        answers={200: COMPARED, **fails(400, 403, 422)},
+    ),
+    Route(
+        "POST",
+        "/api/recommend",
+        answered_by("recommend"),
+        "Which of some points is recommended within limits: by the `share` of attention that stress"
+        " gets, else the knee; and the `--weights` that mean the same.",
+        asks="recommend",
+        answers={
+            200: table(
+                point=or_null({"type": "integer"}),
+                weights=or_null(rows({"type": "number"})),
+                within=rows({"type": "integer"}),
+            ),
+            **fails(400, 403),
         },
     ),
     Route(
