@@ -78,6 +78,14 @@ export const place = (body) => ask("POST", "/api/place", body);
 export const replan = (body) => ask("POST", "/api/replan", body);
 /** @param {Record<string, any>} body */
 export const explain = (body) => ask("POST", "/api/explain", body);
+/** How a schedule fares, and what differs from another. @param {Record<string, any>} body */
+export const measures = (body) => ask("POST", "/api/measures", body);
+/** What differs between `cell` and `other`. @param {Record<string, any>} body */
+export const compare = (body) => ask("POST", "/api/compare", body);
+/** Which of some points is recommended. @param {Record<string, any>} body */
+export const recommend = (body) => ask("POST", "/api/recommend", body);
+/** The document of a plan, without what is found on the way. @param {Record<string, any>} body */
+export const plan = (body) => ask("POST", "/api/plan", body);
 export const stopPlan = () => ask("POST", "/api/plan/stop", {});
 
 /**
