@@ -145,3 +145,19 @@ def test_points_that_are_none_are_refused(server, body, says):
     answer = server.ask("POST", "/api/recommend", body)
     assert answer.status == 400
     assert says in answer.json["error"]
+
+
+def test_of_a_workbook_without_a_table_its_rows_can_be_seen(server):
+    book = b"Ding;wer\npress;9\nhold;8\n"
+    told = server.ask("POST", "/api/import?name=t.csv", book)
+    assert told.status == 422
+    assert [one["header"] for one in told.json["seen"]["columns"]] == ["Ding", "wer"]
+    assert told.json["seen"]["rows"] == [["press", "9"], ["hold", "8"]]
+    mapped = "/api/import?name=t.csv&map=Ding%3Dtask&map=wer%3Dtime%20Anna%20%5Bs%5D"
+    asked = server.ask("POST", mapped, book)
+    assert asked.status == 422
+    assert asked.json["seen"]["operators"] == [{"name": "Anna", "kind": "human"}]
+    assert server.ask("POST", mapped + "&human=Anna", book).json["cell"]["tasks"].keys() == {
+        "press",
+        "hold",
+    }

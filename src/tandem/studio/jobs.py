@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
-from pathlib import Path, PurePath
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,7 @@ from tandem.studio.asked import (
     one_of,
     read,
 )
+from tandem.studio.importing import read_in, without_path
 from tandem.studio.questions import Tell, compare, measures, moved, recommend, schedule_of
 
 if TYPE_CHECKING:
@@ -64,7 +65,6 @@ PLACE: dict[str, Kind] = {"task": TEXT, "operators": NAMES, "start": NUMBER}
 """A task, who is to do it, and from when on."""
 FORMS = ("csv", "html", "json", "md", "pdf", "png", "svg", "xlsx", "xml")
 """The endings of `tandem.report.files.EXPORTERS`."""
-SHEETS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods", ".csv", ".tsv")
 EVERY_S = 0.1
 """Progress is told no more often."""
 EXPLAINING_S = 5.0
@@ -227,7 +227,7 @@ def report(request: Json, tell: Tell) -> Json:
         try:
             front = read_plan(stored).front
         except (CellError, UnsoundScheduleError) as error:
-            raise _without_path(error, str(stored)) from None
+            raise without_path(error, str(stored)) from None
         point = request.get("point")
         if point is not None:
             point_of(front, point, None, None)
@@ -237,64 +237,6 @@ def report(request: Json, tell: Tell) -> Json:
         content = path.read_bytes()
     kind = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     return {"content": base64.b64encode(content).decode(), "name": path.name, "type": kind}
-
-
-def _without_path(
-    error: CellError | UnsoundScheduleError, path: str
-) -> CellError | UnsoundScheduleError:
-    """The same, said of the plan: where it lay meanwhile is nobody's business."""
-    if isinstance(error, CellError):
-        return CellError([fault.at(fault.place.replace(path, "plan")) for fault in error.faults])
-    return UnsoundScheduleError([fault.replace(path, "plan") for fault in error.faults])
-
-
-def import_(request: Json, tell: Tell) -> Json:
-    """The cell in a workbook, how each column was read, and all that was left out or assumed."""
-    from tandem.files.spreadsheet.draft import read_workbook
-
-    ending = PurePath(request["name"]).suffix.lower()
-    if ending not in SHEETS:
-        raise UsageError(f"name ends with {ending!r}: workbooks end with {', '.join(SHEETS)}.")
-    language = request.get("lang", "en")
-    with TemporaryDirectory(prefix="tandem-") as folder:
-        path = Path(folder) / f"workbook{ending}"
-        path.write_bytes(base64.b64decode(request["content"]))
-        try:
-            draft = read_workbook(
-                path,
-                sheet=request.get("sheet"),
-                columns=dict(map(_meaning, request.get("map", ()))),
-                humans=request.get("human", ()),
-                robots=request.get("robot", ()),
-                machines=request.get("machine", ()),
-            )
-        except CellError as error:
-            raise _without_path(error, str(path)) from None
-    cell = draft.cell()
-    return {
-        "cell": cell.to_dict(),
-        "sheet": draft.sheet,
-        "columns": [
-            {
-                "place": column.place,
-                "header": column.header,
-                "meaning": None if column.meaning is None else str(column.meaning),
-            }
-            for column in draft.columns
-        ],
-        "rows": [list(row) for row in draft.rows],
-        "notes": [
-            {"kind": note.kind, "place": note.place, "message": note.sentence(language)}
-            for note in draft.notes
-        ],
-    }
-
-
-def _meaning(text: str) -> tuple[str, str]:
-    header, equals, meaning = text.rpartition("=")
-    if not equals or not header.strip() or not meaning.strip():
-        raise UsageError(f"map {text!r}: write HEADER=MEANING, such as Spalte 4=time robot [s].")
-    return header.strip(), meaning.strip()
 
 
 @dataclass(frozen=True)
@@ -375,7 +317,7 @@ JOBS: dict[str, Job] = {
         of_a_cell=False,
     ),
     "import": Job(
-        import_,
+        read_in,
         {
             "content": TEXT,
             "name": TEXT,

@@ -243,7 +243,8 @@ async def import_(request: Request, session: Session) -> Response:
     given = {"name": "workbook.xlsx", **one, **{key: texts for key, texts in many.items() if texts}}
     content = base64.b64encode(raw).decode()
     job = JOBS["import"].asked({**given, "content": content})
-    return JSONResponse(await session.pool.document("import", job))
+    told = await session.pool.document("import", job)
+    return JSONResponse(told, 422 if "error" in told else 200)
 
 
 async def openapi(request: Request, session: Session) -> Response:
@@ -443,7 +444,8 @@ ROUTES: tuple[Route, ...] = (
         "POST",
         "/api/import",
         import_,
-        "The cell in a workbook, whose bytes are the body; nothing is written.",
+        "The cell in a workbook, whose bytes are the body; nothing is written. Where it gives none,"
+        " what was `seen` of it comes with the errors.",
         asks="application/octet-stream",
         query={
             "name": (string(), "Of the workbook; its ending says what it is."),
@@ -458,7 +460,9 @@ ROUTES: tuple[Route, ...] = (
             200: table(
                 cell={"type": "object"},
                 sheet=string(),
+                sheets=rows(string()),
                 columns=rows(table(place=string(), header=string(), meaning=or_null(string()))),
+                operators=rows(table(name=string(), kind=string())),
                 rows=rows(rows(string())),
                 notes=rows(table(kind=string(), place=string(), message=string())),
             ),

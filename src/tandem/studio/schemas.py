@@ -110,6 +110,7 @@ NAMED: dict[str, Json] = {
             "errors": ERRORS,
             "faults": rows(string()),
             "infeasible": {"type": "object"},
+            "seen": {"type": "object", "description": "Of a workbook: sheets, columns, rows."},
         },
         "required": ["error"],
     },

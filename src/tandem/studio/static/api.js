@@ -90,11 +90,10 @@ export const stopPlan = () => ask("POST", "/api/plan/stop", {});
 
 /**
  * What a workbook says.
- * @param {string} name @param {string[]} meanings COLUMN=MEANING @param {string} lang @param {ArrayBuffer} workbook
+ * @param {[string, string][]} query `name`, `lang`, and what was said of it by hand. @param {ArrayBuffer} workbook
  */
-export async function importWorkbook(name, meanings, lang, workbook) {
-  const query = new URLSearchParams([["name", name], ["lang", lang], ...meanings.map((one) => ["map", one])]);
-  const answer = await reach("POST", `/api/import?${query}`, workbook, "application/octet-stream");
+export async function importWorkbook(query, workbook) {
+  const answer = await reach("POST", `/api/import?${new URLSearchParams(query)}`, workbook, "application/octet-stream");
   return { status: answer.status, document: readAnswer(await answer.text()) };
 }
 
