@@ -122,9 +122,9 @@ export const Scenarios = observed(() => {
     ${all.length === 0
       ? html`<p class="empty">${t("scenarios.empty")}</p>`
       : html`<div class="sheet"><table class="compared" aria-label=${t("scenarios.title")}>
-          <thead><tr>${["scenario", "differs", "points", "quickest", "recommended", "calmest"].map((key) => html`<th scope="col">${t(`scenarios.${key}`)}</th>`)}<th></th></tr></thead>
+          <thead><tr>${["scenario", "differs", "points", "quickest", "recommended", "calmest"].map((key) => html`<th scope="col">${t(`scenarios.${key}`)}</th>`)}</tr></thead>
           <tbody>
-            <tr><th scope="row">${t("scenarios.standing")}</th><td>–</td><${Front} planned=${standing.value} /><td></td></tr>
+            <tr><th scope="row">${t("scenarios.standing")}</th><td>–</td><${Front} planned=${standing.value} /></tr>
             ${all.map((one) => html`<${One} key=${one.name} one=${one} told=${compared.value.get(one.name)} />`)}
           </tbody>
         </table></div>
@@ -137,14 +137,14 @@ const One = observed((/** @type {{one: Scenario, told: Compared | undefined}} */
   const rest = said.length - MOST_CHANGES;
   return html`<tr>
     <th scope="row">${one.name}</th>
-    <td class="differs">${said.length === 0 ? (told ? t("scenarios.same") : "") : html`<ul>${said.slice(0, MOST_CHANGES).map((sentence) => html`<li>${sentence}</li>`)}${rest > 0 ? html`<li>${t("scenarios.more", { n: rest })}</li>` : null}</ul>`}</td>
+    <td class="differs">${said.length === 0 ? (told ? t("scenarios.same") : "") : html`<ul>${said.slice(0, MOST_CHANGES).map((sentence) => html`<li>${sentence}</li>`)}${rest > 0 ? html`<li>${t("scenarios.more", { n: rest })}</li>` : null}</ul>`}
+      <span class="tools">
+        <button onClick=${() => planOne(one)} disabled=${one.busy} aria-label=${t("scenarios.plan_one", { name: one.name })}>${t("button.plan")}</button>
+        <button onClick=${() => take(one)} aria-label=${t("scenarios.take_one", { name: one.name })}>${t("scenarios.take")}</button>
+        <button onClick=${() => keepAsFile(one)} aria-label=${t("scenarios.keep_one", { name: one.name })}>${t("scenarios.keep")}</button>
+        <button onClick=${() => (scenarios.value = scenarios.value.filter((other) => other.name !== one.name))} aria-label=${t("operators.remove", { name: one.name })}>✕</button>
+      </span></td>
     ${one.error ? html`<td colspan="4" class="error">${one.error}</td>` : html`<${Front} planned=${one.planned} busy=${one.busy} />`}
-    <td><span class="tools">
-      <button onClick=${() => planOne(one)} disabled=${one.busy} aria-label=${t("scenarios.plan_one", { name: one.name })}>${t("button.plan")}</button>
-      <button onClick=${() => take(one)} aria-label=${t("scenarios.take_one", { name: one.name })}>${t("scenarios.take")}</button>
-      <button onClick=${() => keepAsFile(one)} aria-label=${t("scenarios.keep_one", { name: one.name })}>${t("scenarios.keep")}</button>
-      <button onClick=${() => (scenarios.value = scenarios.value.filter((other) => other.name !== one.name))} aria-label=${t("operators.remove", { name: one.name })}>✕</button>
-    </span></td>
   </tr>`;
 });
 
