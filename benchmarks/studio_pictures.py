@@ -21,8 +21,24 @@ from playwright.sync_api import sync_playwright
 THESIS = Path(__file__).parents[1] / "examples/thesis.yaml"
 OPTIONS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
 LANGUAGES = {
-    "en": {"locale": "en-US", "plan": "Plan", "bar": "task 6, human, 18 to 21 s"},
-    "de": {"locale": "de-DE", "plan": "Planen", "bar": "Vorgang 6, human, 18 bis 21 s"},
+    "en": {
+        "locale": "en-US",
+        "plan": "Plan",
+        "bar": "task 6, human, 18 to 21 s",
+        "copy": "Keep a copy",
+        "all": "Plan all",
+        "weight": "Between time and stress",
+        "undo": "Undo",
+    },
+    "de": {
+        "locale": "de-DE",
+        "plan": "Planen",
+        "bar": "Vorgang 6, human, 18 bis 21 s",
+        "copy": "Kopie behalten",
+        "all": "Alle planen",
+        "weight": "Zwischen Zeit und Belastung",
+        "undo": "Rückgängig",
+    },
 }
 
 
@@ -57,7 +73,9 @@ def main(folder: Path) -> None:
 
 
 def shoot(page: Any, address: str, words: dict[str, str], folder: Path, name: str) -> None:
-    """The page as it opens, with the first compromise, and with a bar on its way."""
+    """The page as it opens, with the first compromise, with a bar on its way, and with its panels
+    open, a slider moved and a scenario beside the cell.
+    """
     page.goto(address)
     page.get_by_role("grid").wait_for()
     page.screenshot(path=folder / f"open-{name}.png", full_page=True)
@@ -72,6 +90,18 @@ def shoot(page: Any, address: str, words: dict[str, str], folder: Path, name: st
     page.locator(".readout", has_text="→").wait_for()
     page.screenshot(path=folder / f"drag-{name}.png", full_page=True)
     bar.press("Escape")
+    page.locator("td[data-row='2'][data-column='2']").click()
+    page.keyboard.type("18")
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name=words["copy"]).click()
+    page.get_by_role("button", name=words["undo"], exact=True).click()
+    page.get_by_role("button", name=words["all"]).click()
+    page.locator(".compared").nth(1).wait_for()
+    page.get_by_label(words["weight"]).press("End")
+    page.locator(".ghost").first.wait_for()
+    for panel in page.locator("details.panel").all():
+        panel.locator("summary").click()
+    page.screenshot(path=folder / f"panels-{name}.png", full_page=True)
 
 
 if __name__ == "__main__":

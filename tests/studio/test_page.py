@@ -9,121 +9,27 @@ import hashlib
 import json
 import re
 import shutil
-import signal
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 import pytest
 
 import tandem
+from tests.studio.page import (
+    THESIS,
+    Studio,
+    bars,
+    browsing,
+    button,
+    cell_at,
+    enter,
+    paste,
+    planned,
+)
 
 STATIC = Path(__file__).parents[2] / "src/tandem/studio/static"
 VENDOR = STATIC / "vendor"
-THESIS = Path(__file__).parents[2] / "examples/thesis.yaml"
-PATIENCE_MS = 30_000
-"""A busy machine is no fault of the page."""
-
-browsing = pytest.mark.browser
-
-
-class Studio:
-    """A server on a cell file, and the pages that look at it."""
-
-    def __init__(self, browser: Any, path: Path):
-        self.path = path
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "tandem", "studio", str(path), "--port", "0", "--no-browser"],
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        assert self.process.stdout is not None
-        self.address = self.process.stdout.readline().strip()
-        self.context = browser.new_context(
-            viewport={"width": 1280, "height": 900}, locale="en-US", accept_downloads=True
-        )
-        self.context.set_default_timeout(PATIENCE_MS)
-        self.errors: list[str] = []
-        self.requests: list[str] = []
-
-    def open(self) -> Any:
-        """A page in which the cell can be seen."""
-        page = self.context.new_page()
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url))
-        page.goto(self.address)
-        page.get_by_role("grid").wait_for()
-        return page
-
-    def close(self) -> None:
-        self.context.close()
-        self.process.send_signal(signal.SIGINT)
-        assert self.process.wait(30) == 0
-        assert self.errors == []
-        hosts = {urlsplit(url).netloc for url in self.requests if url.startswith("http")}
-        assert hosts == {urlsplit(self.address).netloc}
-
-
-@pytest.fixture
-def studio(browser: Any, tmp_path: Path) -> Iterator[Studio]:
-    """The studio on a copy of the thesis's example; at the end nothing may have failed."""
-    path = tmp_path / "cell.yaml"
-    shutil.copy(THESIS, path)
-    opened = Studio(browser, path)
-    yield opened
-    opened.close()
-
-
-@pytest.fixture
-def expect() -> Callable[..., Any]:
-    api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
-    api.expect.set_options(timeout=PATIENCE_MS)
-    return api.expect  # type: ignore[no-any-return]
-
-
-def cell_at(page: Any, row: int, column: str) -> Any:
-    """The cell of a row, from 0, in the column with that heading."""
-    headings = page.get_by_role("columnheader").all_inner_texts()
-    return page.locator(f"td[data-row='{row}'][data-column='{headings.index(column)}']")
-
-
-def enter(page: Any, row: int, column: str, text: str) -> None:
-    cell_at(page, row, column).click()
-    page.keyboard.type(text)
-    page.keyboard.press("Enter")
-
-
-def button(page: Any, name: str) -> Any:
-    return page.get_by_role("button", name=name, exact=True)
-
-
-def planned(page: Any, expect: Callable[..., Any]) -> list[str]:
-    """Plans, and returns the names of the front's points once all is proven."""
-    button(page, "Plan").click()
-    expect(page.get_by_role("status")).to_contain_text("all proven")
-    return page.locator("[role=option] .numbers").all_inner_texts()
-
-
-def bars(page: Any) -> list[str]:
-    return sorted(
-        one.get_attribute("aria-label") for one in page.locator("button.bar[data-task]").all()
-    )
-
-
-def paste(page: Any, text: str) -> None:
-    """Pastes a block as another program copies it."""
-    page.evaluate(
-        """text => {
-            const data = new DataTransfer();
-            data.setData("text/plain", text);
-            document.activeElement.dispatchEvent(
-                new ClipboardEvent("paste", {clipboardData: data, bubbles: true, cancelable: true}))
-        }""",
-        text,
-    )
 
 
 # --- what is shipped ------------------------------------------------------------------------------

@@ -63,7 +63,12 @@ def changes(base: Front, other: Front) -> tuple[PointChange, ...]:
     """For each point of the base front, what the other front offers at the same stress and in the
     same time.
     """
-    return tuple(_change(point, other.points) for point in base.points)
+    return changes_of(base.points, other.points)
+
+
+def changes_of(base: Sequence[Point], other: Sequence[Point]) -> tuple[PointChange, ...]:
+    """The same of the (makespan, stress) of points."""
+    return tuple(_change(point, other) for point in base)
 
 
 def _change(point: Point, others: Sequence[Point]) -> PointChange:

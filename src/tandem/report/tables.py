@@ -12,7 +12,15 @@ from tandem.report.language import Words
 from tandem.report.markup import Markup, hatch_id, join, tag
 from tandem.report.waits import wait_words
 from tandem.schedule.critical import critical_path, slack
-from tandem.schedule.measures import changing, idle, mode_of, stress_by_human, utilisation, working
+from tandem.schedule.measures import (
+    changing,
+    idle,
+    mode_of,
+    resting,
+    stress_by_human,
+    utilisation,
+    working,
+)
 from tandem.schedule.model import Assignment, Schedule
 
 MOST_PLANS = 6
@@ -161,7 +169,7 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         utilisation(cell, schedule),
         stress_by_human(cell, schedule),
     )
-    swaps = changing(cell, schedule)
+    swaps, resting_s = changing(cell, schedule), resting(cell, schedule)
     total = max((a.end for a in schedule), default=0.0)
     keys = (
         "operator",
@@ -177,7 +185,7 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
     heads = [(t(f"balance.{key}"), "" if key in ("operator", "kind") else "number") for key in keys]
     rows = []
     for name, look in looks(cell).items():
-        off = max(0.0, total - busy[name] - swaps[name] - free[name])
+        off = resting_s[name]
         limit = cell.operators[name].stress_limit
         load = (
             "–"

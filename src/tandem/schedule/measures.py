@@ -104,11 +104,24 @@ def idle(cell: Cell, schedule: Schedule) -> dict[str, float]:
     """
     total = exact(makespan(schedule))
     busy, swaps = _working(cell, schedule), _changing(cell, schedule)
-    for name, operator in cell.operators.items():
-        busy[name] += swaps[name]
-        for start, end in operator.breaks:
-            busy[name] += max(Decimal(0), min(total, exact(end)) - exact(start))
-    return {name: float(total - seconds) for name, seconds in busy.items()}
+    off = _resting(cell, schedule)
+    return {name: float(total - busy[name] - swaps[name] - off[name]) for name in busy}
+
+
+def resting(cell: Cell, schedule: Schedule) -> dict[str, float]:
+    """Seconds of each operator's breaks until the makespan."""
+    return {name: float(seconds) for name, seconds in _resting(cell, schedule).items()}
+
+
+def _resting(cell: Cell, schedule: Schedule) -> dict[str, Decimal]:
+    total = exact(makespan(schedule))
+    return {
+        name: sum(
+            (max(Decimal(0), min(total, exact(end)) - exact(start)) for start, end in op.breaks),
+            Decimal(0),
+        )
+        for name, op in cell.operators.items()
+    }
 
 
 def _changing(cell: Cell, schedule: Schedule) -> dict[str, Decimal]:

@@ -72,6 +72,11 @@ PAIR = Kind(
     {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
     _are_two,
 )
+POINTS = Kind(
+    "a list of [time, stress]",
+    {"type": "array", "items": PAIR.schema},
+    lambda value: isinstance(value, list) and all(map(_are_two, value)),
+)
 NAMES = Kind("a list of names", {"type": "array", "items": {"type": "string"}}, _are_names)
 TABLE = Kind("an object", {"type": "object"}, lambda value: isinstance(value, Mapping))
 ROWS = Kind(

@@ -12,11 +12,11 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
-from pathlib import Path, PurePath
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from tandem.cell.language import Words, spoken
+from tandem.cell.language import spoken
 from tandem.errors import CellError, UnsoundScheduleError, UsageError
 from tandem.studio.asked import (
     EFFORT,
@@ -24,6 +24,7 @@ from tandem.studio.asked import (
     NAMES,
     NUMBER,
     PAIR,
+    POINTS,
     ROWS,
     TABLE,
     TEXT,
@@ -35,16 +36,12 @@ from tandem.studio.asked import (
     one_of,
     read,
 )
+from tandem.studio.importing import read_in, without_path
+from tandem.studio.questions import Tell, compare, measures, moved, recommend, schedule_of
 
 if TYPE_CHECKING:
-    from tandem.cell.model import Cell
     from tandem.plan.method import Progress
-    from tandem.plan.replanned import Replanned
     from tandem.plan.result import Front
-    from tandem.schedule.model import Schedule
-
-Tell = Callable[[Json], None]
-"""Takes what is known while a job goes on."""
 
 OPTIONS: dict[str, Kind] = {
     **EFFORT,
@@ -68,7 +65,6 @@ PLACE: dict[str, Kind] = {"task": TEXT, "operators": NAMES, "start": NUMBER}
 """A task, who is to do it, and from when on."""
 FORMS = ("csv", "html", "json", "md", "pdf", "png", "svg", "xlsx", "xml")
 """The endings of `tandem.report.files.EXPORTERS`."""
-SHEETS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods", ".csv", ".tsv")
 EVERY_S = 0.1
 """Progress is told no more often."""
 EXPLAINING_S = 5.0
@@ -139,7 +135,7 @@ def place(request: Json, tell: Tell) -> Json:
     from tandem.schedule.placed import place as put
 
     cell = cell_in(request["cell"])
-    before = _schedule(request["assignments"])
+    before = schedule_of(request["assignments"])
     placed = put(cell, before, request["task"], request["operators"], request["start"])
     return {
         "allowed": placed.allowed,
@@ -167,7 +163,7 @@ def replan(request: Json, tell: Tell) -> Json:
     from tandem.schedule.placed import place as put
 
     cell = cell_in(request["cell"])
-    old = before = _schedule(request["assignments"])
+    old = before = schedule_of(request["assignments"])
     keep = list(request.get("keep", ()))
     if (where := request.get("place")) is not None:
         asked = read(where, PLACE, needed=PLACE, where="place.")
@@ -187,33 +183,10 @@ def replan(request: Json, tell: Tell) -> Json:
     t = spoken(request.get("lang", "en"), "tandem.studio")
     return {
         "point": found[0].to_dict(),
-        "sentence": moved(found, cell, old, t),
+        "sentence": moved(found.changes, cell, old, found[0].schedule, t),
         "complete": found.complete,
         "document": found.to_dict(),
     }
-
-
-def moved(found: Replanned, cell: Cell, old: Schedule, t: Words) -> str:
-    """How many tasks moved, how many of them to other operators, and what that costs."""
-    from tandem.schedule.measures import exact, makespan, stress
-
-    changes, new = found.changes, found[0]
-    others = changes.count("operator")
-    parts = [
-        t.count("moved", len(changes.changed)) if changes.changed else t("moved.none"),
-        *(
-            [t.count("operator", others) if others else t("operator.none")]
-            if changes.changed
-            else []
-        ),
-    ]
-    seconds = exact(new.makespan) - exact(makespan(old))
-    parts.append(t("time", seconds=t.signed(float(seconds))) if seconds else t("time.same"))
-    try:
-        more = exact(new.stress) - exact(stress(cell, old))
-    except (UnsoundScheduleError, KeyError):
-        return ", ".join(parts)  # the old plan is none of this cell
-    return ", ".join([*parts, *([t("stress", stress=t.signed(float(more)))] if more else [])])
 
 
 def explain(request: Json, tell: Tell) -> Json:
@@ -223,7 +196,7 @@ def explain(request: Json, tell: Tell) -> Json:
     from tandem.schedule.checker import faults
 
     cell = cell_in(request["cell"])
-    schedule = _schedule(request["assignments"])
+    schedule = schedule_of(request["assignments"])
     if wrong := faults(cell, schedule):
         raise UnsoundScheduleError(wrong)
     point = Result(cell, schedule, Status.FEASIBLE, Bound(0.0, 0.0))
@@ -254,7 +227,7 @@ def report(request: Json, tell: Tell) -> Json:
         try:
             front = read_plan(stored).front
         except (CellError, UnsoundScheduleError) as error:
-            raise _without_path(error, str(stored)) from None
+            raise without_path(error, str(stored)) from None
         point = request.get("point")
         if point is not None:
             point_of(front, point, None, None)
@@ -264,71 +237,6 @@ def report(request: Json, tell: Tell) -> Json:
         content = path.read_bytes()
     kind = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     return {"content": base64.b64encode(content).decode(), "name": path.name, "type": kind}
-
-
-def _without_path(
-    error: CellError | UnsoundScheduleError, path: str
-) -> CellError | UnsoundScheduleError:
-    """The same, said of the plan: where it lay meanwhile is nobody's business."""
-    if isinstance(error, CellError):
-        return CellError([fault.at(fault.place.replace(path, "plan")) for fault in error.faults])
-    return UnsoundScheduleError([fault.replace(path, "plan") for fault in error.faults])
-
-
-def import_(request: Json, tell: Tell) -> Json:
-    """The cell in a workbook, how each column was read, and all that was left out or assumed."""
-    from tandem.files.spreadsheet.draft import read_workbook
-
-    ending = PurePath(request["name"]).suffix.lower()
-    if ending not in SHEETS:
-        raise UsageError(f"name ends with {ending!r}: workbooks end with {', '.join(SHEETS)}.")
-    language = request.get("lang", "en")
-    with TemporaryDirectory(prefix="tandem-") as folder:
-        path = Path(folder) / f"workbook{ending}"
-        path.write_bytes(base64.b64decode(request["content"]))
-        try:
-            draft = read_workbook(
-                path,
-                sheet=request.get("sheet"),
-                columns=dict(map(_meaning, request.get("map", ()))),
-                humans=request.get("human", ()),
-                robots=request.get("robot", ()),
-                machines=request.get("machine", ()),
-            )
-        except CellError as error:
-            raise _without_path(error, str(path)) from None
-    cell = draft.cell()
-    return {
-        "cell": cell.to_dict(),
-        "sheet": draft.sheet,
-        "columns": [
-            {
-                "place": column.place,
-                "header": column.header,
-                "meaning": None if column.meaning is None else str(column.meaning),
-            }
-            for column in draft.columns
-        ],
-        "rows": [list(row) for row in draft.rows],
-        "notes": [
-            {"kind": note.kind, "place": note.place, "message": note.sentence(language)}
-            for note in draft.notes
-        ],
-    }
-
-
-def _meaning(text: str) -> tuple[str, str]:
-    header, equals, meaning = text.rpartition("=")
-    if not equals or not header.strip() or not meaning.strip():
-        raise UsageError(f"map {text!r}: write HEADER=MEANING, such as Spalte 4=time robot [s].")
-    return header.strip(), meaning.strip()
-
-
-def _schedule(rows: list[Mapping[str, Any]]) -> Schedule:
-    """The schedule of `assignments`. Raises CellError with each row that is none."""
-    from tandem.report.results import schedules_of
-
-    return schedules_of({"front": [{"assignments": rows}]})[0]
 
 
 @dataclass(frozen=True)
@@ -365,6 +273,25 @@ class Job:
 JOBS: dict[str, Job] = {
     "plan": Job(plan, {"options": TABLE}),
     "place": Job(place, {"assignments": ROWS, **PLACE}, ("assignments", *PLACE), quick=True),
+    "measures": Job(
+        measures,
+        {"assignments": ROWS, "before": ROWS, "lang": LANGUAGE},
+        ("assignments",),
+        quick=True,
+    ),
+    "compare": Job(
+        compare,
+        {"other": TABLE, "points": POINTS, "other_points": POINTS, "lang": LANGUAGE},
+        ("other",),
+        quick=True,
+    ),
+    "recommend": Job(
+        recommend,
+        {"points": POINTS, "share": NUMBER, "max_makespan": NUMBER, "max_stress": NUMBER},
+        ("points",),
+        of_a_cell=False,
+        quick=True,
+    ),
     "replan": Job(
         replan,
         {
@@ -390,7 +317,7 @@ JOBS: dict[str, Job] = {
         of_a_cell=False,
     ),
     "import": Job(
-        import_,
+        read_in,
         {
             "content": TEXT,
             "name": TEXT,

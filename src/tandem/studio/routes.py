@@ -28,7 +28,9 @@ from tandem.studio.route import Handler, Route
 from tandem.studio.schemas import (
     ANYTHING,
     ASSIGNMENTS,
+    COMPARED,
     ERRORS,
+    MEASURES,
     PLAN,
     POINT,
     fails,
@@ -166,7 +168,8 @@ def answered_by(name: str) -> Handler:
         given = await asked_job(name, request, session)
         if JOBS[name].quick:
             do = partial(JOBS[name].do, given, _untold)
-            await anyio.to_thread.run_sync(sound, given["cell"])
+            if JOBS[name].of_a_cell:
+                await anyio.to_thread.run_sync(sound, given["cell"])
             return JSONResponse(await anyio.to_thread.run_sync(do))
         return JSONResponse(await session.pool.document(name, given))
 
@@ -240,7 +243,8 @@ async def import_(request: Request, session: Session) -> Response:
     given = {"name": "workbook.xlsx", **one, **{key: texts for key, texts in many.items() if texts}}
     content = base64.b64encode(raw).decode()
     job = JOBS["import"].asked({**given, "content": content})
-    return JSONResponse(await session.pool.document("import", job))
+    told = await session.pool.document("import", job)
+    return JSONResponse(told, 422 if "error" in told else 200)
 
 
 async def openapi(request: Request, session: Session) -> Response:
@@ -373,6 +377,41 @@ ROUTES: tuple[Route, ...] = (
     ),
     Route(
         "POST",
+        "/api/measures",
+        answered_by("measures"),
+        "How each operator fares in a schedule, what is critical, why each task starts when it"
+        " does; with `before`, what differs from that schedule. Of a schedule that breaks its cell"
+        " only the last.",
+        asks="measures",
+        answers={200: MEASURES, **fails(400, 403, 422)},
+    ),
+    Route(
+        "POST",
+        "/api/compare",
+        answered_by("compare"),
+        "What differs between `cell` and `other`; with the points of both fronts, what becomes of"
+        " each of the first.",
+        asks="compare",
+        answers={200: COMPARED, **fails(400, 403, 422)},
+    ),
+    Route(
+        "POST",
+        "/api/recommend",
+        answered_by("recommend"),
+        "Which of some points is recommended within limits: by the `share` of attention that stress"
+        " gets, else the knee; and the `--weights` that mean the same.",
+        asks="recommend",
+        answers={
+            200: table(
+                point=or_null({"type": "integer"}),
+                weights=or_null(rows({"type": "number"})),
+                within=rows({"type": "integer"}),
+            ),
+            **fails(400, 403),
+        },
+    ),
+    Route(
+        "POST",
         "/api/replan",
         answered_by("replan"),
         "The rest planned anew with the fewest changes.",
@@ -405,7 +444,8 @@ ROUTES: tuple[Route, ...] = (
         "POST",
         "/api/import",
         import_,
-        "The cell in a workbook, whose bytes are the body; nothing is written.",
+        "The cell in a workbook, whose bytes are the body; nothing is written. Where it gives none,"
+        " what was `seen` of it comes with the errors.",
         asks="application/octet-stream",
         query={
             "name": (string(), "Of the workbook; its ending says what it is."),
@@ -420,7 +460,9 @@ ROUTES: tuple[Route, ...] = (
             200: table(
                 cell={"type": "object"},
                 sheet=string(),
+                sheets=rows(string()),
                 columns=rows(table(place=string(), header=string(), meaning=or_null(string()))),
+                operators=rows(table(name=string(), kind=string())),
                 rows=rows(rows(string())),
                 notes=rows(table(kind=string(), place=string(), message=string())),
             ),

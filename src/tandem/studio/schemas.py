@@ -45,6 +45,52 @@ PLAN = refer("Plan")
 ERRORS = refer("Errors")
 
 NUMBER: Json = {"type": "number"}
+MEASURES = table(
+    sound={"type": "boolean"},
+    operators=or_null(
+        rows(
+            table(
+                operator=string(),
+                tasks={"type": "integer"},
+                working=NUMBER,
+                changing=NUMBER,
+                resting=NUMBER,
+                idle=NUMBER,
+                share=NUMBER,
+                stress=or_null(NUMBER),
+                stress_limit=or_null(NUMBER),
+            )
+        )
+    ),
+    tasks=or_null(
+        rows(
+            table(
+                task=string(),
+                waits_for=rows(table(reason=string(), by=string(), task=or_null(string()))),
+                slack=NUMBER,
+                critical={"type": "boolean"},
+                sentence=string(),
+            )
+        )
+    ),
+    path=or_null(rows(string())),
+    changed=or_null(table(tasks=rows(table(task=string(), what=string())), sentence=string())),
+)
+"""How a schedule fares."""
+COMPARED = table(
+    changes=rows(table(path=rows(string()), before=ANYTHING, after=ANYTHING, sentence=string())),
+    front_changes=rows(
+        table(
+            makespan=NUMBER,
+            stress=NUMBER,
+            makespan_then=or_null(NUMBER),
+            stress_then=or_null(NUMBER),
+            seconds=or_null(NUMBER),
+            more_stress=or_null(NUMBER),
+        )
+    ),
+)
+"""What differs between two cells."""
 NAMED: dict[str, Json] = {
     "Assignments": rows(table(task=string(), operators=rows(string()), start=NUMBER, end=NUMBER)),
     "Errors": rows(
@@ -64,6 +110,7 @@ NAMED: dict[str, Json] = {
             "errors": ERRORS,
             "faults": rows(string()),
             "infeasible": {"type": "object"},
+            "seen": {"type": "object", "description": "Of a workbook: sheets, columns, rows."},
         },
         "required": ["error"],
     },

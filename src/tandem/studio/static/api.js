@@ -78,15 +78,22 @@ export const place = (body) => ask("POST", "/api/place", body);
 export const replan = (body) => ask("POST", "/api/replan", body);
 /** @param {Record<string, any>} body */
 export const explain = (body) => ask("POST", "/api/explain", body);
+/** How a schedule fares, and what differs from another. @param {Record<string, any>} body */
+export const measures = (body) => ask("POST", "/api/measures", body);
+/** What differs between `cell` and `other`. @param {Record<string, any>} body */
+export const compare = (body) => ask("POST", "/api/compare", body);
+/** Which of some points is recommended. @param {Record<string, any>} body */
+export const recommend = (body) => ask("POST", "/api/recommend", body);
+/** The document of a plan, without what is found on the way. @param {Record<string, any>} body */
+export const plan = (body) => ask("POST", "/api/plan", body);
 export const stopPlan = () => ask("POST", "/api/plan/stop", {});
 
 /**
  * What a workbook says.
- * @param {string} name @param {string[]} meanings COLUMN=MEANING @param {string} lang @param {ArrayBuffer} workbook
+ * @param {[string, string][]} query `name`, `lang`, and what was said of it by hand. @param {ArrayBuffer} workbook
  */
-export async function importWorkbook(name, meanings, lang, workbook) {
-  const query = new URLSearchParams([["name", name], ["lang", lang], ...meanings.map((one) => ["map", one])]);
-  const answer = await reach("POST", `/api/import?${query}`, workbook, "application/octet-stream");
+export async function importWorkbook(query, workbook) {
+  const answer = await reach("POST", `/api/import?${new URLSearchParams(query)}`, workbook, "application/octet-stream");
   return { status: answer.status, document: readAnswer(await answer.text()) };
 }
 

@@ -3,18 +3,23 @@
  * @module
  */
 import * as api from "./api.js";
+import { Balance, Changed } from "./balance.js";
 import { Explain } from "./explain.js";
 import { Front } from "./front.js";
 import { Gantt } from "./gantt.js";
-import { cellOf } from "./columns.js";
 import { Graph } from "./graph.js";
 import { Import, Preview } from "./importer.js";
+import { watchMeasures } from "./measures.js";
 import { Operators } from "./operators.js";
 import { Player } from "./player.js";
+import { at, Problems, Why } from "./problems.js";
+import { Sliders } from "./recommended.js";
+import { Resources } from "./resources.js";
+import { Scenarios, watchScenarios } from "./scenarios.js";
 import {
-  canRedo, canUndo, cell, conflict, dirty, faults, file, files, forgetUnsaved, hand, infeasible, listFiles, makePlan, open, options, plan, proposal, redo, running, save, saveAnyway, say, selected, setOption, status, stopPlan, takeTheirs, takeUnsaved, undo, unsaved, watchForFaults, work,
+  canRedo, canUndo, cell, conflict, dirty, faults, file, files, forgetUnsaved, hand, listFiles, makePlan, open, options, plan, proposal, redo, running, save, saveAnyway, say, selected, setOption, status, stopPlan, takeTheirs, takeUnsaved, undo, unsaved, watchForFaults, work,
 } from "./state.js";
-import { columns, goTo, Table } from "./table.js";
+import { Table } from "./table.js";
 import { LANGUAGES, language, loadWords, speak, t } from "./words.js";
 import { Field, Menu, effect, html, observed, render, signal } from "./view.js";
 
@@ -38,17 +43,22 @@ const App = observed(() => {
         <h2>${t("front.title")}</h2>
         <${Limits} />
         <${Front} />
+        <${Sliders} />
         <${Why} />
       </section>
       <section class="plan" aria-label=${t("gantt.title")}>
         <${Gantt} />
+        <${Changed} />
+        <${Balance} />
         <${Player} />
         <${Explain} />
       </section>
       <div class="below">
-      <section class="tasks" aria-label=${t("table.title")}><${Table} /></section>
+      <section class="tasks" aria-label=${t("table.title")}><${Table} /><${Problems} /></section>
       <section class="precedence" aria-label=${t("graph.title")}><${Graph} /></section>
+      <section class="resources" aria-label=${t("resources.title")}><${Resources} /></section>
       <section class="people" aria-label=${t("operators.title")}><${Operators} /></section>
+      <section class="scenarios" aria-label=${t("scenarios.title")}><${Scenarios} /></section>
       </div>
     </main>
   `;
@@ -145,27 +155,10 @@ async function download() {
 const Limits = observed(() => {
   /** @param {string} name @param {number} least @param {number} most */
   const field = (name, least, most) => html`<label>${t(`options.${name}`)}
-    <${Field} type="number" min=${least} max=${most} step="any" value=${String(options.value[name] ?? "")}
+    <${Field} type="number" min=${least} max=${most} step="any" data-at=${at("question", name)} value=${String(options.value[name] ?? "")}
       commit=${(/** @type {string} */ given) =>
         setOption(name, given === "" ? (name === "time_limit" ? 10 : undefined) : Math.min(most, Math.max(least, Number(given))))} /></label>`;
   return html`<div class="limits">${field("max_makespan", 0, 1e9)}${field("max_stress", 0, 1e9)}${field("time_limit", 1, 3600)}</div>`;
-});
-
-/** Why there is no plan: what cannot be kept together, with a way to where it stands. */
-const Why = observed(() => {
-  const why = infeasible.value;
-  if (!why) return null;
-  const rows = new Map(cell.value.tasks.map((task, row) => [task.name, row]));
-  /** @param {{where?: string[]}} one */
-  const at = (one) => cellOf((one.where ?? []).map(String), columns.value, rows);
-  return html`<div class="faults">
-    <b>${t("infeasible.title")}</b>
-    <ul>${(why.reasons ?? [why.message]).map((/** @type {string} */ one) => html`<li>${one}</li>`)}</ul>
-    ${(why.together ?? []).map((/** @type {any} */ one) => {
-      const there = at(one);
-      return there ? html`<button onClick=${() => goTo(there.row, there.column)}>${one.words}</button>` : null;
-    })}
-  </div>`;
 });
 
 /** @param {KeyboardEvent} event */
@@ -191,3 +184,5 @@ render(html`<${App} />`, root);
 await open();
 await listFiles();
 watchForFaults();
+watchMeasures();
+watchScenarios();

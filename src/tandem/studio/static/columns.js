@@ -11,9 +11,9 @@ import { shown, t } from "./words.js";
 /** @typedef {{id: string, title: string, hint: string, kind: "name" | "number" | "list" | "text" | "data", read: (task: Task) => string, write: (task: Task, text: string) => Task}} Column */
 
 /** Fields that a table shows only where a task has them, or where they were asked for. */
-export const FURTHER = /** @type {const} */ (["label", "part", "tool", "zone", "place", "release", "deadline", "spread", "together", "difficulty", "wait"]);
+export const FURTHER = /** @type {const} */ (["label", "part", "tool", "zone", "place", "release", "deadline", "spread", "together", "difficulty", "wait", "ergonomics"]);
 /** @type {Record<string, "number" | "text" | "data">} */
-const KINDS = { release: "number", deadline: "number", spread: "data", together: "data", difficulty: "data", wait: "data" };
+const KINDS = { release: "number", deadline: "number", spread: "data", together: "data", difficulty: "data", wait: "data", ergonomics: "data" };
 
 /** @param {string} text @returns {unknown} a number where it is one, with a point or a comma. */
 export function numberOr(text) {
@@ -30,8 +30,8 @@ function withField(task, key, value) {
 /** What each one has, as one writes it by hand: "anna: 2; ben: 3.5". */
 const EACH = /^\s*[^:;{}[\]"]+:[^:;{}[\]"]+(;[^:;{}[\]"]+:[^:;{}[\]"]+)*;?\s*$/;
 
-/** @param {unknown} value @returns {string} */
-function plain(value) {
+/** @param {unknown} value @returns {string} a value as one writes it by hand. */
+export function plain(value) {
   if (value === undefined || value === null) return "";
   if (typeof value !== "object") return shown(value);
   const each = Object.entries(value).map(([name, one]) => `${name}: ${typeof one === "object" ? "{}" : shown(one)}`).join("; ");
@@ -39,7 +39,7 @@ function plain(value) {
 }
 
 /** @param {string} text @returns {unknown} what each one has, or JSON where it is some, else a number or the text. */
-function dataOr(text) {
+export function dataOr(text) {
   if (EACH.test(text)) {
     const each = text.split(";").filter((one) => one.trim()).map((one) => one.split(":"));
     return Object.fromEntries(each.map(([name, value]) => [name.trim(), numberOr(value)]));
@@ -55,7 +55,7 @@ function dataOr(text) {
 }
 
 /** @param {string} text @returns {string[]} */
-const listOf = (text) => text.split(/[,;]/).map((one) => one.trim()).filter(Boolean);
+export const listOf = (text) => text.split(/[,;]/).map((one) => one.trim()).filter(Boolean);
 
 /** @param {string} key @param {"number" | "text" | "data"} kind @returns {Column} */
 function field(key, kind) {

@@ -3,7 +3,8 @@
  * makespan and stress. Found, bounded and proven points differ in shape and in words.
  * @module
  */
-import { choose, front, hand, plan, pointName, proposal, running, selected } from "./state.js";
+import { isOutside, recommended } from "./recommended.js";
+import { choose, front, hand, pointName, proposal, running, selected } from "./state.js";
 import { shown, t } from "./words.js";
 import { html, observed } from "./view.js";
 
@@ -31,8 +32,6 @@ function standingWords(point) {
 export const Front = observed(() => {
   const points = front.value;
   if (points.length === 0) return html`<p class="empty">${t(running.value ? "front.searching" : "front.empty")}</p>`;
-  const document = plan.value?.document;
-  const recommended = (document?.recommended?.point ?? 0) - 1;
   return html`
     <div class="front" role="listbox" aria-label=${t("front.title")} onKeyDown=${onKey}>
       ${points.map(
@@ -40,9 +39,9 @@ export const Front = observed(() => {
           <div
             key=${index}
             role="option"
-            class="point"
+            class="point ${isOutside(index) ? "outside" : ""}"
             aria-selected=${index === selected.value}
-            aria-description=${standingWords(point)}
+            aria-description=${standingWords(point) + (index === recommended.value ? `, ${t("front.recommended")}` : "") + (isOutside(index) ? `, ${t("front.outside")}` : "")}
             tabindex=${index === selected.value ? 0 : -1}
             data-index=${index}
             onClick=${() => choose(index)}
@@ -50,7 +49,7 @@ export const Front = observed(() => {
             <svg class="mark" viewBox="-8 -8 16 16" aria-hidden="true"><${Mark} kind=${standing(point)} /></svg>
             <span class="numbers">${pointName(point)}</span>
             <span class="standing" aria-hidden="true">
-              ${standingWords(point)}${index === recommended ? html` · <b>${t("front.recommended")}</b>` : null}
+              ${standingWords(point)}${isOutside(index) ? ` · ${t("front.outside")}` : ""}${index === recommended.value ? html` · <b>${t("front.recommended")}</b>` : null}
             </span>
           </div>
         `,

@@ -6,6 +6,7 @@
  */
 import { ticks } from "./front.js";
 import { looksOf } from "./looks.js";
+import { isCritical, whyThen } from "./measures.js";
 import {
   barName, cell, discardProposal, drop, ghosts, keepProposal, locks, picked, point, pointName, proposal, resolveRest, say, stale, hand, toggleLock, verdictOn,
 } from "./state.js";
@@ -159,9 +160,10 @@ const Bars = observed(() => {
         const title = labels.get(one.task) ? `${one.task}: ${labels.get(one.task)}` : one.task;
         return html`<button
           key=${`${one.task}/${place}`}
-          class="bar ${look?.class} ${changed.has(one.task) ? "changed" : ""} ${locked ? "locked" : ""}"
+          class="bar ${look?.class} ${changed.has(one.task) ? "changed" : ""} ${locked ? "locked" : ""} ${isCritical(one.task) ? "critical" : ""}"
           style=${box(one.start, one.end - one.start, rows.indexOf(name))}
           aria-label=${barName(one) + (locked ? t("bar.locked") : "")}
+          aria-description=${whyThen(one.task)}
           aria-pressed=${picked.value === one.task}
           title=${title}
           data-task=${one.task}

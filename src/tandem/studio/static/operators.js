@@ -1,41 +1,28 @@
 /**
- * The operators: who is there, of which kind, with which breaks and how much stress they may bear.
+ * The operators: who is there, of which kind, with breaks and setup, what they hold at the start and
+ * how much stress they may bear.
  * @module
  */
-import { numberOr } from "./columns.js";
+import { Entry, withKey } from "./fields.js";
 import { looksOf } from "./looks.js";
-import { cell, edit, faults } from "./state.js";
+import { at } from "./problems.js";
+import { cell, edit } from "./state.js";
 import { t } from "./words.js";
-import { Field, html, observed, signal } from "./view.js";
+import { html, observed, signal } from "./view.js";
 
 /** @typedef {import("./ordered.js").Operator} Operator */
 
 const KINDS = ["human", "robot", "machine"];
+/** Keys of an operator beside its kind. */
+const FIELDS = /** @type {const} */ ({ label: "text", breaks: "spans", setup: "number", stress_limit: "number", tool: "text", place: "text", holds: "pairs" });
+const KEYS = /** @type {(keyof typeof FIELDS)[]} */ (Object.keys(FIELDS));
 
 /** The name of the operator that is about to be added. */
 const added = signal("");
 
 /** @param {string} name @param {string} key @param {unknown} value empty: without the key. */
-function set(name, key, value) {
-  edit((now) => ({
-    ...now,
-    operators: now.operators.map((operator) => {
-      if (operator.name !== name) return operator;
-      const { [key]: _, ...rest } = operator;
-      return /** @type {Operator} */ (value === "" ? rest : { ...operator, [key]: value });
-    }),
-  }));
-}
-
-/** @param {unknown} breaks @returns {string} "90-120, 150-160". */
-const breaksAsText = (breaks) => (Array.isArray(breaks) ? breaks.map((one) => (Array.isArray(one) ? one.join("-") : String(one))).join(", ") : String(breaks ?? ""));
-
-/** @param {string} text @returns {unknown} pairs of seconds; what is none is kept as it is, so that the check says so. */
-function breaksOf(text) {
-  if (text.trim() === "") return "";
-  const pairs = text.split(/[,;]/).map((one) => /^\s*(\d+(?:\.\d+)?)\s*[-–]\s*(\d+(?:\.\d+)?)\s*$/.exec(one));
-  return pairs.every(Boolean) ? pairs.map((one) => [Number(one?.[1]), Number(one?.[2])]) : text;
-}
+const set = (name, key, value) =>
+  edit((now) => ({ ...now, operators: now.operators.map((operator) => (operator.name === name ? withKey(operator, key, value) : operator)) }));
 
 function add() {
   const name = added.value.trim();
@@ -63,11 +50,11 @@ export const Operators = observed(() => {
     <div class="heading"><h2>${t("operators.title")}</h2></div>
     <div class="sheet operators">
       <table aria-label=${t("operators.title")}>
-        <thead><tr>${["name", "kind", "label", "breaks", "stress_limit"].map((key) => html`<th scope="col">${t(`operators.${key}`)}</th>`)}<th></th></tr></thead>
+        <thead><tr>${["name", "kind", ...KEYS].map((key) => html`<th scope="col">${t(`operators.${key}`)}</th>`)}<th></th></tr></thead>
         <tbody>
           ${cell.value.operators.map((operator) => html`<${One} key=${operator.name} operator=${operator} look=${looks.get(operator.name)?.class} />`)}
           <tr>
-            <td colspan="6"><form onSubmit=${(/** @type {Event} */ event) => (event.preventDefault(), add())}>
+            <td colspan=${KEYS.length + 3}><form onSubmit=${(/** @type {Event} */ event) => (event.preventDefault(), add())}>
               <input aria-label=${t("operators.new")} placeholder=${t("operators.new")} value=${added.value} onInput=${(/** @type {any} */ event) => (added.value = event.currentTarget.value)} />
               <button disabled=${added.value.trim() === ""}>${t("operators.add")}</button>
             </form></td>
@@ -80,24 +67,18 @@ export const Operators = observed(() => {
 
 const One = observed((/** @type {{operator: Operator, look: string}} */ { operator, look }) => {
   const { name } = operator;
-  /** @param {string} key @param {string} text @param {(text: string) => unknown} parse */
-  const field = (key, text, parse) => {
-    const wrong = faults.value.find((fault) => fault.place[0] === "operators" && fault.place[1] === name && fault.place[2] === key);
-    return html`<td class=${wrong ? "wrong" : ""}><${Field}
-      aria-label=${t("operators.field", { field: t(`operators.${key}`), name })}
-      aria-invalid=${wrong ? "true" : undefined}
-      title=${wrong?.message ?? ""}
-      value=${text}
-      commit=${(/** @type {string} */ typed) => set(name, key, parse(typed))}
-    /></td>`;
-  };
   const kind = operator.kind ?? "human";
   return html`<tr>
     <th scope="row"><span class="swatch ${look}" aria-hidden="true"></span> ${name}</th>
-    <td><button onClick=${() => set(name, "kind", KINDS[(KINDS.indexOf(kind) + 1) % KINDS.length])} aria-label=${t("operators.change_kind", { name, kind: t(`kind.${kind}`) })}>${t(`kind.${kind}`)}</button></td>
-    ${field("label", String(operator.label ?? ""), (text) => text.trim())}
-    ${field("breaks", breaksAsText(operator.breaks), breaksOf)}
-    ${field("stress_limit", operator.stress_limit === undefined ? "" : String(operator.stress_limit), numberOr)}
+    <td><button data-at=${at("operators", name, "kind")} onClick=${() => set(name, "kind", KINDS[(KINDS.indexOf(kind) + 1) % KINDS.length])} aria-label=${t("operators.change_kind", { name, kind: t(`kind.${kind}`) })}>${t(`kind.${kind}`)}</button></td>
+    ${KEYS.map((key) => html`<${Entry} key=${key}
+      place=${["operators", name, key]}
+      kind=${FIELDS[key]}
+      value=${operator[key]}
+      label=${t("operators.field", { field: t(`operators.${key}`), name })}
+      hint=${t(`hint.operators.${key}`)}
+      set=${(/** @type {unknown} */ value) => set(name, key, value)}
+    />`)}
     <td><button onClick=${() => remove(name)} aria-label=${t("operators.remove", { name })}>✕</button></td>
   </tr>`;
 });

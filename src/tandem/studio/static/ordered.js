@@ -56,14 +56,17 @@ const named = (list) =>
   Object.fromEntries(list.map(({ name, ...held }) => [/^\d+$/.test(name) ? MARK + name : name, held]));
 
 /**
- * A request's JSON text; a `cell` in it is written as the document of a cell file.
+ * A request's JSON text; a `cell` in it, and an `other`, is written as the document of a cell file.
  * @param {Record<string, any>} body
  */
 export function writeRequest(body) {
-  if (!body.cell) return JSON.stringify(body);
-  const cell = { ...body.cell, operators: named(body.cell.operators), tasks: named(body.cell.tasks) };
-  return JSON.stringify({ ...body, cell }).replace(MARKED_KEY, '"$1"');
+  const written = Object.fromEntries(["cell", "other"].filter((key) => body[key]).map((key) => [key, documentOf(body[key])]));
+  const text = JSON.stringify({ ...body, ...written });
+  return body.cell ? text.replace(MARKED_KEY, '"$1"') : text;
 }
+
+/** @param {Cell} cell */
+const documentOf = (cell) => ({ ...cell, operators: named(cell.operators), tasks: named(cell.tasks) });
 
 /** @param {Cell} cell @returns {string} a text that is equal for equal cells. */
 export const textOf = (cell) => JSON.stringify(cell);

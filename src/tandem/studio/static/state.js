@@ -98,7 +98,7 @@ export async function open(name) {
     savedText.value = textOf(document.cell);
     work.value = { cell: document.cell, hand: null, locks: [] };
     past.value = future.value = [];
-    plan.value = proposal.value = infeasible.value = picked.value = null;
+    plan.value = proposal.value = infeasible.value = picked.value = earlier.value = null;
     unsaved.value = document.draft?.cell ?? null;
   });
   say("status.ready", { name: document.name });
@@ -248,7 +248,7 @@ export const infeasible = signal(/** @type {any} */ (null));
 export async function makePlan() {
   if (running.value || blocked()) return;
   const asked = cell.value;
-  infeasible.value = null;
+  infeasible.value = earlier.value = null;
   if (hand.value) change({ hand: null });
   plan.value = { document: { front: [] }, of: textOf(asked), running: true, open: null };
   selected.value = 0;
@@ -301,6 +301,7 @@ export const stopPlan = () => api.stopPlan();
 /** @param {number} index the point of the front to look at; a schedule made by hand steps back. */
 export function choose(index) {
   batch(() => {
+    if (index !== selected.value) earlier.value = front.value[selected.value];
     if (hand.value) change({ hand: null });
     proposal.value = null;
     selected.value = index;
@@ -317,8 +318,17 @@ export const pointName = (point) => t("point.name", { makespan: point.makespan, 
 /** What re-solving proposes, until it is kept or discarded. */
 export const proposal = signal(/** @type {{point: Point & {changed?: {task: string, what: string}[]}, sentence: string, document: any} | null} */ (null));
 export const point = computed(() => /** @type {Point | undefined} */ (proposal.value?.point ?? hand.value ?? front.value[selected.value]));
-/** The schedule under the one on show, drawn as ghosts. */
-export const ghosts = computed(() => (proposal.value ? (hand.value ?? front.value[selected.value])?.assignments : hand.value ? front.value[selected.value]?.assignments : null) ?? []);
+/** The point that was on show before this one was chosen. */
+const earlier = signal(/** @type {Point | null} */ (null));
+export const forgetEarlier = () => (earlier.value = null);
+/** The schedule under the one on show, with which it is compared: the one that is to be replaced, that was changed by hand, or that was looked at before. */
+export const beneath = computed(() => {
+  const chosen = front.value[selected.value];
+  const under = proposal.value ? (hand.value ?? chosen) : hand.value ? chosen : earlier.value;
+  return under ? { assignments: under.assignments, name: pointName(under), earlier: under === earlier.value } : null;
+});
+/** Its bars, drawn as ghosts. */
+export const ghosts = computed(() => beneath.value?.assignments ?? []);
 /** The task whose bar was clicked last. */
 export const picked = signal(/** @type {string | null} */ (null));
 

@@ -77,7 +77,6 @@ export const Table = observed(() => {
       </table>
     </div>
     <${Focus} grid=${grid} />
-    <${Problems} />
   `;
 });
 
@@ -161,20 +160,6 @@ const Focus = observed((/** @type {{grid: {current: HTMLElement | null}}} */ { g
 });
 
 /** All that is wrong, with a way to its cell. */
-const Problems = observed(() => {
-  const all = faults.value;
-  if (all.length === 0) return null;
-  const rows = new Map(cell.value.tasks.map((task, row) => [task.name, row]));
-  return html`<div class="faults" aria-live="polite">
-    <b>${t("table.problems", { n: all.length })}</b>
-    <ul>
-      ${all.slice(0, 20).map((fault) => {
-        const at = cellOf(fault.place.map(String), columns.value, rows);
-        return html`<li>${at ? html`<button class="link" onClick=${() => goTo(at.row, at.column)}>${fault.message}</button>` : fault.message}</li>`;
-      })}
-    </ul>
-  </div>`;
-});
 
 // ---- editing one cell
 

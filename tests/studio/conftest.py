@@ -1,0 +1,44 @@
+"""What tests of the studio's page are given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.studio.page import PATIENCE_MS, Expect, Server, Studio, copied
+
+
+@pytest.fixture
+def studio(browser: Any, tmp_path: Path) -> Iterator[Studio]:
+    """The studio on a copy of the thesis's example, which may be saved."""
+    opened = Studio(browser, copied(tmp_path))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """One server for all tests of a file that save nothing."""
+    running = Server(copied(tmp_path_factory.mktemp("studio")))
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def shared(browser: Any, server: Server) -> Iterator[Studio]:
+    """The same on a server that other tests use too; nothing may be saved."""
+    before = server.path.read_bytes()
+    opened = Studio(browser, server.path, server)
+    yield opened
+    opened.close()
+    assert server.path.read_bytes() == before
+
+
+@pytest.fixture
+def expect() -> Expect:
+    api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
+    api.expect.set_options(timeout=PATIENCE_MS)
+    return api.expect  # type: ignore[no-any-return]
