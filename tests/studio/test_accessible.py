@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.draw.cells import gearbox_front, thesis_front
-from tests.studio.running import Running
 
 from tandem.report.html import write_html
+from tests.draw.cells import gearbox_front, thesis_front
+from tests.studio.running import Running
 
 pytestmark = pytest.mark.browser
 

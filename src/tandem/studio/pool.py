@@ -93,6 +93,7 @@ class Pool:
                 run.process.kill()
         for process in self._free:
             process.kill()
+        await asyncio.gather(*(process.process.wait() for process in self._free))
         self._free.clear()
 
     @property
@@ -135,13 +136,14 @@ class Pool:
         self.runs[run.number] = run
         try:
             yield "started", {"run": run.number}
-            async with self._places:
-                async for event in self._done(run, do, request):
+            # closed here, not some time later: the process is free again before its place is
+            async with self._places, contextlib.aclosing(self._done(run, do, request)) as done:
+                async for event in done:
                     yield event
         finally:
             del self.runs[run.number]
 
-    async def _done(self, run: Run, do: str, request: Json) -> AsyncIterator[tuple[str, Json]]:
+    async def _done(self, run: Run, do: str, request: Json) -> AsyncGenerator[tuple[str, Json]]:
         process = await self._taken()
         run.process = process
         self._working += 1
