@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from openpyxl import Workbook
+
 from tests.studio.running import Running
 
 pytestmark = pytest.mark.browser
