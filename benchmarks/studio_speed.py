@@ -144,6 +144,18 @@ def first_look(browser: Any, work: Path) -> None:
         assert rows >= ROWS, f"only {rows} rows are there"
 
 
+def busy(counter: Any) -> dict[str, float]:
+    """Seconds of processor time that the page's thread has spent since it began."""
+    told = {one["name"]: one["value"] for one in counter.send("Performance.getMetrics")["metrics"]}
+    names = {
+        "task": "TaskDuration",
+        "script": "ScriptDuration",
+        "style": "RecalcStyleDuration",
+        "layout": "LayoutDuration",
+    }
+    return {what: told[name] for what, name in names.items()}
+
+
 def dragged(browser: Any, work: Path, count: int) -> None:
     """From each move of the pointer to its picture."""
     path = work / f"cell-{count}.json"
@@ -159,13 +171,21 @@ def dragged(browser: Any, work: Path, count: int) -> None:
         page.evaluate(LISTEN)
         page.mouse.move(x, y)
         page.mouse.down()
+        counter = page.context.new_cdp_session(page)
+        counter.send("Performance.enable", {"timeDomain": "threadTicks"})
+        before = busy(counter)
         for step in range(MOVES):
             page.mouse.move(x + 6 + step * 4, y + (step % 20) * 3)
+        after = busy(counter)
         page.keyboard.press("Escape")
         page.mouse.up()
         found: list[float] = sorted(page.evaluate("delays"))
     p95, median = statistics.quantiles(found, n=20)[-1], statistics.median(found)
     aim = PICTURE_MS.get(count, 33)
+    # processor time of the page's thread, which a busy machine changes little
+    spent = {what: 1000 * (after[what] - before[what]) / MOVES for what in after}
+    parts = ", ".join(f"{what} {spent[what]:.2f}" for what in ("script", "style", "layout"))
+    say(f"work of the page a move, {count} bars", spent["task"], "ms", aim, parts)
     say(f"pointer to picture, {count} bars, p95", p95, "ms", aim, f"median {median:.1f} ms")
 
 
