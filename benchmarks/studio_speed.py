@@ -148,7 +148,7 @@ def busy(counter: Any) -> dict[str, float]:
     """Seconds of processor time that the page's thread has spent since it began."""
     told = {one["name"]: one["value"] for one in counter.send("Performance.getMetrics")["metrics"]}
     names = {
-        "task": "TaskDuration",
+        "task": "ThreadTime",
         "script": "ScriptDuration",
         "style": "RecalcStyleDuration",
         "layout": "LayoutDuration",
