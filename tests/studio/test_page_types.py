@@ -17,7 +17,9 @@ DECLARED = Path(__file__).parent / "types"
 def test_the_types_of_the_page_hold(tmp_path: Path) -> None:
     checker = os.environ.get("TSC") or shutil.which("tsc")
     if not checker:
-        pytest.skip("no type checker for the page: npm install --global typescript")
+        pytest.skip(
+            "no type checker for the page: apt-get install npm, npm install --global typescript"
+        )
     for path in STATIC.glob("*.js"):
         shutil.copy(path, tmp_path)
     shutil.copytree(DECLARED, tmp_path / "vendor")

@@ -242,23 +242,20 @@ def _point(
         pieces.append(tag("circle", cx=x, cy=y, r=14, class_="knee"))
     pieces.append(tag("circle", cx=x, cy=y, r=17, class_="target"))
     pieces.append(tag("circle", cx=x, cy=y, r=8, class_="dot" if proven else "dot open"))
-    if label:
-        shown = _label(result, t, knee=knee and many)
-        inside = x + 19 + width_of(shown, 16) < WIDTH
-        pieces.append(
-            text(
-                x + 19 if inside else x - 19,
-                y - 13,
-                shown,
-                text_anchor="start" if inside else "end",
-                class_="strong" if knee else None,
-            )
-        )
-    return tag(
-        "a",
-        *pieces,
-        href=f"#plan-{place + 1}",
-        class_="point",
-        data_plan=place + 1,
-        aria_label=words,
+    target = f"#plan-{place + 1}"
+    point = tag("a", *pieces, href=target, class_="point", data_plan=place + 1, aria_label=words)
+    if not label:
+        return point
+    shown = _label(result, t, knee=knee and many)
+    inside = x + 19 + width_of(shown, 16) < WIDTH
+    written = text(
+        x + 19 if inside else x - 19,
+        y - 13,
+        shown,
+        text_anchor="start" if inside else "end",
+        class_="strong" if knee else None,
     )
+    # The point's own name says all of it: what is written beside it leads there too, but is not
+    # read out or reached a second time.
+    beside = tag("a", written, href=target, aria_hidden="true", tabindex=-1)
+    return tag("g", point, beside)

@@ -28,6 +28,7 @@ from tandem.schedule.measures import (
     unlisted_set,
 )
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.said import Said, listed, num, said
 
 
 def faults(
@@ -110,18 +111,13 @@ class Judged:
 def times_are_numbers(judged: Judged) -> Iterator[str]:
     for a in judged.given:
         if not _is_finite(a):
-            yield (
-                f"task {a.task!r}: from {a.start} to {a.end} is no time; both must be numbers of"
-                " seconds."
-            )
+            yield said("time.none", task=a.task, start=str(a.start), end=str(a.end))
 
 
 def tasks_are_known(judged: Judged) -> Iterator[str]:
     for a in judged.given:
         if a.task not in judged.cell.tasks:
-            yield (
-                f"task {a.task!r}: the cell has no such task. {_nearest(a.task, judged.cell.tasks)}"
-            )
+            yield said("task.unknown", task=a.task, hint=_nearest(a.task, judged.cell.tasks))
 
 
 def each_task_is_done_once(judged: Judged) -> Iterator[str]:
@@ -130,21 +126,19 @@ def each_task_is_done_once(judged: Judged) -> Iterator[str]:
         count[a.task] = count.get(a.task, 0) + 1
     for name in judged.cell.tasks:
         if name not in count:
-            yield f"task {name!r}: is missing; every task must be done once."
+            yield said("task.missing", task=name)
         elif count[name] > 1:
-            yield f"task {name!r}: is done {count[name]} times; every task must be done once."
+            yield said("task.twice", task=name, times=count[name])
 
 
 def operators_are_known(judged: Judged) -> Iterator[str]:
     for a in judged.given:
         for name in dict.fromkeys(a.operators):
             if name not in judged.cell.operators:
-                yield (
-                    f"task {a.task!r}: the cell has no operator {name!r}."
-                    f" {_nearest(name, judged.cell.operators)}"
-                )
+                hint = _nearest(name, judged.cell.operators)
+                yield said("operator.unknown", task=a.task, operator=name, hint=hint)
             if (times := a.operators.count(name)) > 1:
-                yield f"task {a.task!r}: operator {name!r} is named {times} times; once is enough."
+                yield said("operator.twice", task=a.task, operator=name, times=times)
 
 
 def the_group_can_do_the_task(judged: Judged) -> Iterator[str]:
@@ -154,36 +148,31 @@ def the_group_can_do_the_task(judged: Judged) -> Iterator[str]:
             and not _modes_of_group(judged.cell, row)
             and _names_are_known(judged.cell, row)
         ):
-            who = (
-                f"{listed(row.given.operators)} cannot do it"
-                if row.given.operators
-                else "nobody does it"
-            )
-            groups = dict.fromkeys(mode.operators for mode in judged.cell.modes(row.task))
-            ways = (", or " if any(len(group) > 1 for group in groups) else " or ").join(
-                map(listed, groups)
-            )
-            yield f"task {row.task!r}: {who}; {ways} can."
+            ways = tuple(dict.fromkeys(mode.operators for mode in judged.cell.modes(row.task)))
+            who = tuple(row.given.operators)
+            yield said("group.cannot" if who else "group.none", task=row.task, who=who, ways=ways)
 
 
 def durations_are_right(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         if row.mode is None and (modes := _modes_of_group(judged.cell, row)):
-            right = " or ".join(sec(time) for time in sorted({exact(mode.time) for mode in modes}))
-            ends = " or ".join(
-                sec(row.start + time) for time in sorted({exact(mode.time) for mode in modes})
-            )
-            yield (
-                f"task {row.task!r}: {listed(row.given.operators)} cannot do it in"
-                f" {sec(row.end - row.start)} ({_span(row)}); it takes {right}, so it would end at"
-                f" {ends}."
+            right = sorted({exact(mode.time) for mode in modes})
+            yield said(
+                "duration",
+                task=row.task,
+                who=tuple(row.given.operators),
+                span=row.end - row.start,
+                start=row.start,
+                end=row.end,
+                right=tuple(right),
+                ends=tuple(row.start + time for time in right),
             )
 
 
 def nothing_starts_before_zero(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         if row.start < 0:
-            yield f"task {row.task!r}: starts at {sec(row.start)}; nothing can start before 0 s."
+            yield said("start.negative", task=row.task, start=row.start)
 
 
 def predecessors_end_first(judged: Judged) -> Iterator[str]:
@@ -191,10 +180,7 @@ def predecessors_end_first(judged: Judged) -> Iterator[str]:
         for name in judged.cell.tasks[row.task].predecessors:
             end = max((first.end for first in judged.of_task.get(name, ())), default=row.start)
             if row.start < end:
-                yield (
-                    f"task {row.task!r}: starts at {sec(row.start)}, before task {name!r} has"
-                    f" ended, which it comes after: {sec(end)} is the earliest."
-                )
+                yield said("predecessor", task=row.task, start=row.start, before=name, end=end)
 
 
 def waits_are_kept(judged: Judged) -> Iterator[str]:
@@ -222,10 +208,15 @@ def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:
         latest: Row | None = None
         for row in judged.of_operator.get(name, ()):
             if latest is not None and row.start < latest.end:
-                yield (
-                    f"operator {name!r}: does task {latest.task!r} ({_span(latest)}) and task"
-                    f" {row.task!r} ({_span(row)}) at the same time; after the first,"
-                    f" {sec(latest.end)} is the earliest."
+                yield said(
+                    "at_once",
+                    operator=name,
+                    first=latest.task,
+                    first_start=latest.start,
+                    first_end=latest.end,
+                    second=row.task,
+                    second_start=row.start,
+                    second_end=row.end,
                 )
             if latest is None or row.end > latest.end:
                 latest = row
@@ -235,30 +226,22 @@ def releases_are_kept(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         release = exact(judged.cell.tasks[row.task].release)
         if row.start < release and release:
-            yield (
-                f"task {row.task!r}: starts at {sec(row.start)}, before its release: {sec(release)}"
-                " is the earliest."
-            )
+            yield said("release", task=row.task, start=row.start, release=release)
 
 
 def deadlines_are_kept(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         deadline = judged.cell.tasks[row.task].deadline
         if deadline is not None and row.end > exact(deadline):
-            yield (
-                f"task {row.task!r}: ends at {sec(row.end)}, after its deadline:"
-                f" {sec(exact(deadline))} is the latest."
-            )
+            yield said("deadline", task=row.task, end=row.end, deadline=exact(deadline))
 
 
 def breaks_are_free_of_work(judged: Judged) -> Iterator[str]:
     for name, breaks in _breaks(judged.cell):
         for row in judged.of_operator.get(name, ()):
             for start, end in _overlapping(breaks, row.start, row.end):
-                yield (
-                    f"operator {name!r}: task {row.task!r} ({_span(row)}) runs into the break from"
-                    f" {sec(start)} to {sec(end)}."
-                )
+                at = {"start": row.start, "end": row.end, "since": start, "until": end}
+                yield said("break", operator=name, task=row.task, **at)
 
 
 def operators_are_set_up_first(judged: Judged) -> Iterator[str]:
@@ -266,11 +249,9 @@ def operators_are_set_up_first(judged: Judged) -> Iterator[str]:
         ready = _ready(operator)
         for row in judged.of_operator.get(name, ()):
             if row.start < ready:
-                yield (
-                    f"operator {name!r}: does task {row.task!r} ({_span(row)}) before it is set up,"
-                    f" which takes {sec(exact(operator.setup))} between its breaks; {sec(ready)} is"
-                    " the earliest."
-                )
+                at = {"start": row.start, "end": row.end, "ready": ready}
+                need = exact(operator.setup)
+                yield said("setup", operator=name, task=row.task, setup=need, **at)
 
 
 def operators_are_at_hand_in_time(judged: Judged) -> Iterator[str]:
@@ -651,20 +632,12 @@ def _names_are_known(cell: Cell, row: Row) -> bool:
     return all(name in cell.operators for name in row.given.operators)
 
 
-def _nearest(name: object, known: Iterable[str]) -> str:
+def _nearest(name: object, known: Iterable[str]) -> Said:
     known = list(known)
     near = get_close_matches(str(name), known, n=1)
-    return (
-        f"Did you mean {near[0]!r}?"
-        if near
-        else f"It has {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}."
-    )
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names in a sentence: "a, b and c"; "nobody" for none."""
-    *most, last = list(names) or ["nobody"]
-    return f"{', '.join(most)} and {last}" if most else last
+    if near:
+        return said("near", name=near[0])
+    return said("known", names=", ".join(known[:12]) + (", ..." if len(known) > 12 else ""))
 
 
 def only(places: int, what: str = "") -> str:
@@ -683,8 +656,3 @@ def _span(row: Row) -> str:
 def sec(seconds: Decimal) -> str:
     """A time in a sentence."""
     return f"{num(seconds)} s"
-
-
-def num(number: Decimal) -> str:
-    """A number in a sentence, exactly."""
-    return f"{number.normalize():f}" if abs(number) < Decimal(10) ** 15 else f"{number:.6g}"

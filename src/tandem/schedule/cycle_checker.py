@@ -18,9 +18,10 @@ from typing import Literal, NamedTuple
 from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.schedule import checker
-from tandem.schedule.checker import Hold, Judged, Row, num, sec
+from tandem.schedule.checker import Hold, Judged, Row, sec
 from tandem.schedule.cycle import PeriodicSchedule
 from tandem.schedule.measures import exact, made_ready
+from tandem.schedule.said import listed, num
 
 WITHIN_A_PRODUCT: tuple[Callable[[Judged], Iterator[str]], ...] = (
     checker.times_are_numbers,
@@ -233,7 +234,7 @@ def kinds_are_kept_apart(lap: Lap) -> Iterator[str]:
             for other, its, of_kind in there[:place]:
                 if of_kind != kind and lap.overlap(arc, other):
                     yield (
-                        f"zone {name!r}: keeps {checker.listed(zone.apart)} apart, but {its!r}"
+                        f"zone {name!r}: keeps {listed(zone.apart)} apart, but {its!r}"
                         f" (task {other.row.task!r}, {lap.told(other)} of the cycle) and {who!r}"
                         f" (task {arc.row.task!r}, {lap.told(arc)}) are in it at once."
                     )
@@ -291,9 +292,7 @@ def _crowds(lap: Lap, kind: Literal["tool", "zone"], places: dict[str, int]) -> 
             there = [(lap.present(other, arc.begin), count, other) for other, count in uses]
             used = sum(products * count for products, count, _ in there)
             if used > most:
-                tasks = checker.listed(
-                    repr(other.row.task) for products, _, other in there if products
-                )
+                tasks = listed(repr(other.row.task) for products, _, other in there if products)
                 room = checker.only(most, "place") if kind == "zone" else checker.only(most)
                 yield (
                     f"{kind} {name!r}: there {room}{'' if kind == 'zone' else ' of it'}, but {used}"

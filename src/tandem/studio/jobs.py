@@ -133,16 +133,17 @@ def place(request: Json, tell: Tell) -> Json:
     """What it would mean to put a task elsewhere."""
     from tandem.cell.model import plain
     from tandem.schedule.placed import place as put
+    from tandem.schedule.said import in_language
 
-    cell = cell_in(request["cell"])
+    cell, language = cell_in(request["cell"]), request.get("lang", "en")
     before = schedule_of(request["assignments"])
     placed = put(cell, before, request["task"], request["operators"], request["start"])
     return {
         "allowed": placed.allowed,
-        "reasons": list(placed.reasons),
+        "reasons": [in_language(reason, language) for reason in placed.reasons],
         "makespan": plain(placed.makespan),
         "stress": None if placed.stress is None else plain(placed.stress),
-        "faults": list(placed.faults),
+        "faults": [in_language(fault, language) for fault in placed.faults],
         "assignments": placed.schedule.to_list(),
         "ways": [
             {
@@ -272,7 +273,12 @@ class Job:
 
 JOBS: dict[str, Job] = {
     "plan": Job(plan, {"options": TABLE}),
-    "place": Job(place, {"assignments": ROWS, **PLACE}, ("assignments", *PLACE), quick=True),
+    "place": Job(
+        place,
+        {"assignments": ROWS, "lang": LANGUAGE, **PLACE},
+        ("assignments", *PLACE),
+        quick=True,
+    ),
     "measures": Job(
         measures,
         {"assignments": ROWS, "before": ROWS, "lang": LANGUAGE},

@@ -60,27 +60,46 @@ class Run:
 
 
 class Pool:
-    """Worker processes. One is kept ready, so that a search begins at once."""
+    """Worker processes. As many as may work at once are kept ready, so that none is waited for: a
+    dragged bar asks about its lanes and about its place at the same time.
+    """
 
     def __init__(self) -> None:
         self._free: list[_Process] = []
+        self._working = 0
         self._places = asyncio.Semaphore(AT_ONCE)
         self._numbers = itertools.count(1)
         self._tasks: set[asyncio.Task[None]] = set()
         self.runs: dict[int, Run] = {}
 
     async def start(self) -> None:
-        """Has the first process begin to load; does not wait for it."""
-        self._free.append(await _Process.start())
+        """Has the first process begin to load; does not wait for it. The others follow once it has
+        loaded, so that it is there the sooner.
+        """
+        first = await _Process.start()
+        self._free.append(first)
+        self._later(self._follow(first))
+
+    async def _follow(self, first: _Process) -> None:
+        await asyncio.wait([first.loaded])
+        await self._replenish()
 
     async def close(self) -> None:
         """Ends every process."""
+        for task in self._tasks:
+            task.cancel()
         for run in list(self.runs.values()):
             if run.process is not None:
                 run.process.kill()
         for process in self._free:
             process.kill()
+        await asyncio.gather(*(process.process.wait() for process in self._free))
         self._free.clear()
+
+    @property
+    def ready(self) -> int:
+        """How many processes have loaded and wait for a job."""
+        return sum(process.loaded.done() for process in self._free)
 
     def stop(self, number: int | None = None) -> list[int]:
         """Stops the run of this number; every stream when none is given. Returns which it
@@ -117,15 +136,17 @@ class Pool:
         self.runs[run.number] = run
         try:
             yield "started", {"run": run.number}
-            async with self._places:
-                async for event in self._done(run, do, request):
+            # closed here, not some time later: the process is free again before its place is
+            async with self._places, contextlib.aclosing(self._done(run, do, request)) as done:
+                async for event in done:
                     yield event
         finally:
             del self.runs[run.number]
 
-    async def _done(self, run: Run, do: str, request: Json) -> AsyncIterator[tuple[str, Json]]:
-        process = self._free.pop() if self._free else await _Process.start()
+    async def _done(self, run: Run, do: str, request: Json) -> AsyncGenerator[tuple[str, Json]]:
+        process = await self._taken()
         run.process = process
+        self._working += 1
         limit = (request.get("options") or request).get("time_limit")
         limit = limit if isinstance(limit, int | float) else 60.0
         whole = False
@@ -137,14 +158,24 @@ class Pool:
                 whole = event in ("done", "failed")
                 yield event, data
         finally:
+            self._working -= 1
             if whole and process.is_alive:
                 self._free.append(process)
             else:
                 process.kill()
                 self._later(self._replenish())
 
-    async def _replenish(self) -> None:
+    async def _taken(self) -> _Process:
+        """A process that is free: rather one that has loaded."""
         if not self._free:
+            return await _Process.start()
+        ready = [process for process in self._free if process.loaded.done()]
+        process = (ready or self._free)[0]
+        self._free.remove(process)
+        return process
+
+    async def _replenish(self) -> None:
+        while len(self._free) + self._working < AT_ONCE:
             self._free.append(await _Process.start())
 
     def _later(self, work: Any) -> None:
@@ -154,10 +185,16 @@ class Pool:
 
 
 class _Process:
-    """One worker process."""
+    """One worker process.
+
+    Attributes:
+      loaded: its first line, which it says when it has loaded what jobs need.
+    """
 
     def __init__(self, process: Process):
+        assert process.stdout is not None
         self.process = process
+        self.loaded = asyncio.ensure_future(process.stdout.readline())
 
     @classmethod
     async def start(cls) -> _Process:
@@ -200,7 +237,8 @@ class _Process:
         loop = asyncio.get_running_loop()
         until = loop.time() + longest
         since_stop: float | None = None
-        reading: asyncio.Task[bytes] | None = None
+        # a job may be sent to a process that has not said yet that it has loaded
+        reading: asyncio.Future[bytes] | None = None if self.loaded.done() else self.loaded
         while True:
             if run.stopped and since_stop is None:
                 since_stop = loop.time()

@@ -108,7 +108,12 @@ def _ready() -> None:
     # what is compiled or loaded by a first search is there then
     two = {"1": {"time": {"a": 1, "b": 2}, "stress": 1}, "2": {"time": {"a": 2, "b": 1}}}
     who = {"a": {"kind": "human"}, "b": {"kind": "robot"}}
-    plan(Cell.model_validate({"operators": who, "tasks": two}), time_limit=5, workers=1)
+    cell = {"operators": who, "tasks": two}
+    front = plan(Cell.model_validate(cell), time_limit=5, workers=1)
+    # and by a first bar that is dragged
+    dragged = {"task": "1", "operators": ["b"], "start": 0.0}
+    placed = {"cell": cell, "assignments": front[0].schedule.to_list(), **dragged}
+    JOBS["place"].do(placed, lambda _: None)
 
 
 def main() -> None:

@@ -252,6 +252,9 @@ async function askLanes(one) {
   );
 }
 
+/** Resolves once the frame that is due has been painted: what is written for the server delays no picture. */
+const painted = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+
 let asking = false;
 let again = false;
 /** Asks what the carried bar would mean; one question at a time, the last one always. */
@@ -260,6 +263,7 @@ async function askVerdict() {
   asking = true;
   try {
     do {
+      await painted();
       again = false;
       const now = carried.value;
       if (!now) break;
@@ -299,10 +303,21 @@ function take(event, one, lane) {
   begin(one, event.clientX, event.clientY, false);
   const others = (point.value?.assignments ?? []).filter((other) => other.task !== one.task).flatMap((other) => [other.start, other.end]);
   const marks = [0, ...others];
-  /** @param {PointerEvent} moved */
-  const move = (moved) => {
+  /** @type {PointerEvent | null} */
+  let last = null;
+  let frame = 0;
+  // Of all moves between two frames the last one counts, since no other is seen.
+  const follow = (/** @type {PointerEvent} */ moved) => {
+    last = moved;
+    frame ||= requestAnimationFrame(move);
+  };
+  const move = () => {
+    cancelAnimationFrame(frame);
+    frame = 0;
     const now = carried.value;
-    if (!now) return;
+    const moved = last;
+    last = null;
+    if (!now || !moved) return;
     const dx = moved.clientX - now.x0;
     const dy = moved.clientY - now.y0;
     if (!now.live) {
@@ -316,6 +331,8 @@ function take(event, one, lane) {
   /** @param {boolean} keep */
   const finish = async (keep) => {
     for (const [name, act] of listeners) removeEventListener(name, act, true);
+    if (keep) move();
+    else cancelAnimationFrame(frame);
     button.classList.remove("away");
     const now = carried.value;
     letGo();
@@ -331,7 +348,7 @@ function take(event, one, lane) {
     }
   };
   const listeners = /** @type {[string, any][]} */ ([
-    ["pointermove", move],
+    ["pointermove", follow],
     ["pointerup", () => finish(true)],
     ["pointercancel", () => finish(false)],
     ["keydown", (/** @type {KeyboardEvent} */ key) => key.key === "Escape" && (finish(false), say("status.cancelled"))],

@@ -345,7 +345,7 @@ export function toggleLock(task) {
  */
 export async function verdictOn(task, operators, start) {
   const assignments = /** @type {Point} */ (untracked(() => point.value)).assignments;
-  const { status: code, document } = await api.place({ cell: cell.value, assignments, task, operators, start });
+  const { status: code, document } = await api.place({ cell: cell.value, assignments, task, operators, start, lang: language.value });
   if (code !== 200) return { allowed: false, reasons: [reasonOf(document)], faults: [], makespan: NaN, stress: NaN };
   return document;
 }
