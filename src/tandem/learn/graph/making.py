@@ -53,12 +53,23 @@ class Maker:
             choices = making.choices()
             if not choices:
                 return None
-            likes = self.likes(making, choices) if len(choices) > 1 else np.zeros(1, np.float32)
-            if random is not None:
-                # the largest of logits with Gumbel noise is a draw from their softmax
-                likes = likes / temperature + random.gumbel(size=len(choices))
-            making.put(choices[int(likes.argmax())])
+            making.put(choices[self._chosen(making, choices, random, temperature)])
         return making.state
+
+    def _chosen(
+        self,
+        making: Making,
+        choices: Sequence[Choice],
+        random: np.random.Generator | None,
+        temperature: float,
+    ) -> int:
+        if len(choices) == 1:
+            return 0
+        likes = self.likes(making, choices)
+        if random is None:
+            return int(likes.argmax())
+        # the largest of logits with Gumbel noise is a draw from their softmax
+        return int((likes / temperature + random.gumbel(size=len(choices))).argmax())
 
 
 def retold(outlook: Outlook, starts: Sequence[tuple[int, int]]) -> Iterator[tuple[Any, ...]]:

@@ -46,8 +46,8 @@ def learned(
 ) -> Front:
     """the best of 64 schedules by one network for all cells, or what the best dispatch rule finds
 
-    Rules come first, so that no answer is worse than theirs; `solver` names those that gave a
-    point of the front. Nothing is proven but simple bounds. `work`, `workers` and `hint` play no
+    Every rule is asked too, so that no answer is worse than theirs; `solver` names those that gave
+    a point of the front. Nothing is proven but simple bounds. `work`, `workers` and `hint` play no
     part: the same number of schedules is made each time.
 
     Raises NothingFoundError when neither found a schedule that keeps the limits.
@@ -97,21 +97,27 @@ def _policy_first(name: str) -> tuple[bool, str]:
 def _schedules(
     layout: Layout, question: Question, seed: int, enough: Callable[[], bool]
 ) -> Iterator[tuple[str, PartialSchedule | None]]:
-    """Who made it, and the schedule; None for an attempt that ran into a limit."""
+    """Who made it, and the schedule; None for an attempt that ran into a limit. The policy comes
+    first: a rule is named only where it found something better.
+    """
+    # stress that is listed by sets of tasks says nothing of a single one: only rules can take it
+    if not layout.impossible() and layout.instance.stress_of_set is None:
+        yield from ((NAME, state) for state in _own(layout, question, seed))
     for name, rule in SPECS.items():
         if name not in UNLIKE:
             for state in attempts(layout, rule, Random(seed), question, enough):
                 yield name, state
-    # stress that is listed by sets of tasks says nothing of a single one: only rules can take it
-    if layout.impossible() or layout.instance.stress_of_set is not None:
-        return
+
+
+def _own(layout: Layout, question: Question, seed: int) -> Iterator[PartialSchedule | None]:
+    """The policy's schedules: of each weight of stress one greedy, then as many drawn."""
     random = np.random.default_rng(seed)
     weights = weights_of_stress(layout, question)
     for weight in weights:
         maker = Maker.of(shipped(), Outlook.of(layout, weight))
-        yield NAME, drawn_together(layout, maker.build())
+        yield drawn_together(layout, maker.build())
         for _ in range(SAMPLES // len(weights) - 1):
-            yield NAME, drawn_together(layout, maker.build(random))
+            yield drawn_together(layout, maker.build(random))
 
 
 def weights_of_stress(layout: Layout, question: Question) -> Sequence[float]:

@@ -40,8 +40,9 @@ def unpacked(leaves: dict[str, Any]) -> Weights:
 
 def write_weights(path: Path, weights: Weights) -> None:
     """One file with the weights."""
+    leaves: dict[str, Any] = {name: np.asarray(one) for name, one in packed(weights).items()}
     with path.open("wb") as file:
-        np.savez(file, **{name: np.asarray(one) for name, one in packed(weights).items()})
+        np.savez(file, **leaves)
 
 
 @cache
