@@ -177,7 +177,7 @@ def test_the_command_prints_one_document_or_a_list(tmp_path: Path, capsys: Captu
         (["--policy", "fixed", "--episodes", "1"], 2, "--episodes"),
         (["--policy", "fixed", "--prior", "one"], 2, "0.6:1"),
         (["--policy", "fixed", "--weights", "0,0"], 2, "more than 0"),
-        (["--policy", "learned"], 2, "--learned FILE"),
+        (["--policy", "learned", "--learned", "none.safetensors"], 3, "none.safetensors"),
         (["--policy", "fixed", "--people", "population:none.yaml"], 3, "none.yaml"),
     ],
 )
@@ -220,7 +220,6 @@ def written(cell: Cell, folder: Path) -> str:
         (with_changeovers(), "expected", "exact values cannot hold changeovers"),
         (with_changeovers(), "minimax", "exact values cannot hold changeovers"),
         (layered(15, seed=0), "expected", "at most 14 tasks, this one has 15"),
-        (THESIS, "learned", "name a trained policy with --learned FILE"),
     ],
 )
 def test_who_cannot_hold_the_cell_is_left_out_and_the_others_are_judged(

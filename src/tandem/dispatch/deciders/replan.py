@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from math import inf, log
 from time import perf_counter
+from typing import Protocol
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.beliefs import (
@@ -112,6 +113,17 @@ def robust(cell: Cell, objective: Objective, options: Options) -> Robust:
     return replace(made, before=made.first_values(), guides=made.first_plans())
 
 
+class Planner(Protocol):
+    """Who decides by a plan, and by a rule where there is none."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def objective(self) -> Objective: ...
+    @property
+    def rule(self) -> ByRule: ...
+
+
 @dataclass(frozen=True)
 class Replan:
     """Plans the rest anew at each event, with the stated times; the first plan found is carried
@@ -150,6 +162,24 @@ def by_plan(
       guides: plans of the whole cell, made before the shift.
     """
     plan = _planned(policy, moves, situation, here, work, guides)
+    return told(policy, moves, situation, here, plan, began)
+
+
+def told(
+    policy: Planner,
+    moves: Moves,
+    situation: Situation,
+    here: Position,
+    plan: Plan | None,
+    began: float,
+    found: str = "the best plan found",
+) -> Decision:
+    """The decision to begin what begins now in the plan; the rule's where there is none, or it
+    begins nothing although nothing runs.
+
+    Args:
+      found: what the plan is where it is not proven.
+    """
     choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
     # there is always an answer: the rule's, when no plan is found or it begins nothing
     if plan is None or choice is None:
@@ -169,10 +199,7 @@ def by_plan(
     look = _put_off(moves, here, plan) if moves.instance.has_most_lags else None
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
     end = situation.now + plan.ticks / moves.instance.per_second
-    because = (
-        f"so that all is done at {end:.4g} s,"
-        f" {'at the earliest' if plan.proven else 'the best plan found'}"
-    )
+    because = f"so that all is done at {end:.4g} s, {'at the earliest' if plan.proven else found}"
     return reply(
         policy.name,
         moves,
@@ -211,7 +238,7 @@ def _planned(
     left = rest(moves, here, due=by)
     if left is None:
         return None
-    weights, seed = _weights(policy.objective, moves), policy.options.seed
+    weights, seed = weights_of(policy.objective, moves), policy.options.seed
     each = SKETCH * len(left.tasks)
     free = work.left - len(guides) * each
     drafting = max(DRAFTING * free, len(FIRST) * each)
@@ -420,7 +447,7 @@ class Robust:
             if key not in self.before:
                 work.spend(self._price())
             moves = self.models.of(situation, paces)
-            search = BranchAndBound(moves, _weights(self.objective, moves), work, before)
+            search = BranchAndBound(moves, weights_of(self.objective, moves), work, before)
             searches[key] = search
         return search, position(search.moves, situation, paces)
 
@@ -688,7 +715,8 @@ def _models(cell: Cell, objective: Objective) -> Models:
     return models
 
 
-def _weights(objective: Objective, moves: Moves) -> tuple[float, float]:
+def weights_of(objective: Objective, moves: Moves) -> tuple[float, float]:
+    """What a tick and a unit of stress count."""
     return objective.time / moves.instance.per_second, objective.stress / moves.instance.per_stress
 
 
