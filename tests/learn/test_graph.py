@@ -269,3 +269,12 @@ def test_a_short_training_learns_and_goes_on_to_the_bit(tmp_path: Path) -> None:
             assert state is not None
             gaps[name] += state.makespan + label.exchange * state.stress
     assert gaps["trained"] < gaps["fresh"]
+
+
+def test_the_page_tells_the_numbers_that_are_kept() -> None:
+    kept = json.loads(Path("benchmarks/results/graph_policy.json").read_text())
+    page = Path("docs/one-policy.md").read_text()
+    for row in kept["rows"]:
+        told = [f"{row[name]['gap']:g} (" for name in ("greedy", "best of 64", "best-of-n")]
+        assert f"| {row['tasks']} | {told[0]}" in page
+        assert all(words in page for words in told)
