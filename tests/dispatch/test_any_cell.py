@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.dispatch.stations import THESIS
 
 import tandem
-from tandem.cli import run
+from tandem.cli.root import run
 from tandem.dispatch.deciders.any_cell import MOST_SAMPLES, AnyCell
 from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.lookahead.objective import Objective
-from tandem.dispatch.situation.model import Running, Situation, Work
+from tandem.dispatch.situation.model import Running, Situation
+from tandem.dispatch.situation.pace import Learnt
 from tandem.files.generators import layered
 from tandem.learn.graph.making import Maker
 from tandem.world.arrays import Names
@@ -35,8 +38,6 @@ def played(cell: tandem.Cell, who: AnyCell) -> tuple[float, float]:
     """Seconds and stress beside people who do what they are asked, as quick as stated."""
     names = Names.of(cell)
     they = crowd("compliant", names, names.arrays())
-    import numpy as np
-
     persons = they.draw(np.random.default_rng(0), 1)
     arrays = names.arrays(undo=None)
     stage = EpisodeBatch.of(names, arrays, Draw.of(names, arrays), persons, 7)
@@ -53,23 +54,19 @@ def test_the_thesis_is_run_at_its_optimum_and_by_its_weights() -> None:
     assert found == [(23, 7), (24, 3), (34, 2)]
 
 
-def test_a_slow_human_is_planned_for_as_slow_as_seen() -> None:
-    """Who needed three times the stated time so far gets less of what is left."""
+def test_a_human_known_to_be_slow_is_planned_for_as_slow() -> None:
+    """The same situation, but for what earlier work told of the pace."""
     cell = layered(12, 1, 1, seed=4)
-    start = Situation.of(cell)
-    human = next(iter(cell.humans))
-    done = {
-        name: Work((human,), 0.0, 3.0 * task.time[human], task.time[human])
-        for name, task in cell.tasks.items()
-        if human in task.time and not task.after
-    }
-    first = next(iter(done))
-    seen = replace(start, now=done[first].end, clock=done[first].end, done={first: done[first]})
-    fast = Work((human,), 0.0, done[first].stated, done[first].stated)
-    quick = replace(start, now=fast.end, clock=fast.end, done={first: fast})
-    slow = decider(cell, budget_ms=1000.0)
-    ends = [float(slow.decide(one).expected_cost or 0) - one.now for one in (seen, quick)]
-    assert ends[0] > ends[1]
+    (human,) = cell.humans
+    ends = []
+    for pace in (1.0, 3.0):
+        known = Learnt(precision=1000.0, weighted=1000.0 * math.log(pace), seen=20)
+        situation = replace(Situation.of(cell), learnt={human: known})
+        ends.append(decider(cell, budget_ms=1000.0).decide(situation).expected_cost)
+    quick, slow = ends
+    assert quick is not None
+    assert slow is not None
+    assert slow > quick
 
 
 def test_the_same_situation_is_decided_alike_by_another_process_s_decider() -> None:
@@ -105,7 +102,7 @@ def test_what_runs_is_waited_for() -> None:
         "1": Running(("robot",), 0.0, 9.0),
         "3": Running(("human",), 0.0, 10.0),
     }
-    decision = decider(THESIS).decide(replace(start, now=1.0, clock=1.0, running=running))
+    decision = decider(THESIS).decide(replace(start, now=1.0, running=running))
     assert decision.starts == ()
     assert decision.asks == ()
     assert "nothing can begin" in decision.why
@@ -113,6 +110,11 @@ def test_what_runs_is_waited_for() -> None:
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_every_example_is_run_to_its_end(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code = run(["dispatch", str(path), "--policy", "learned", "--simulate", "pace:1.5"])
+    asked = ["dispatch", str(path), "--policy", "learned", "--weights", "1,0"]
+    code = run([*asked, "--simulate", "pace:1.5"])
     said = capsys.readouterr()
-    assert code == 0, said.err
+    if tandem.load(path).stress_of_set:
+        assert code == 3
+        assert "stress_of_set: live decisions need a stress that adds up" in said.err
+    else:
+        assert code == 0, said.err
