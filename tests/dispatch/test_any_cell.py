@@ -17,8 +17,7 @@ from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.lookahead.objective import Objective
-from tandem.dispatch.situation.model import Running, Situation
-from tandem.dispatch.situation.pace import Learnt
+from tandem.dispatch.situation.model import Learnt, Running, Situation
 from tandem.files.generators import layered
 from tandem.learn.graph.making import Maker
 from tandem.world.arrays import Names
