@@ -30,8 +30,7 @@ from tandem.world.arrays import Names
 from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Chance, Draw
 
-# which needs a trained policy; tests/learn has it
-DECIDERS = [name for name in POLICIES if name != "learned"]
+DECIDERS = list(POLICIES)
 PLENTY = Options(budget_ms=2000.0)
 EPISODES = 400
 """One size for all, so that each cell is compiled once; situations that look alike are decided

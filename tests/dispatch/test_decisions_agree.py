@@ -27,8 +27,7 @@ from tandem.errors import CellError, InfeasibleError, UsageError
 from tandem.files.validate import cell_of
 
 Document = dict[str, Any]
-# which needs a trained policy; tests/learn has it
-DECIDERS = [name for name in POLICIES if name != "learned"]
+DECIDERS = list(POLICIES)
 OBJECTIVES = (Objective(), Objective(1.0, 0.5), Objective(0.0, 1.0))
 
 

@@ -177,7 +177,7 @@ def test_the_command_prints_one_document_or_a_list(tmp_path: Path, capsys: Captu
         (["--policy", "fixed", "--episodes", "1"], 2, "--episodes"),
         (["--policy", "fixed", "--prior", "one"], 2, "0.6:1"),
         (["--policy", "fixed", "--weights", "0,0"], 2, "more than 0"),
-        (["--policy", "learned"], 2, "--learned FILE"),
+        (["--policy", "learned", "--learned", "none.safetensors"], 3, "none.safetensors"),
         (["--policy", "fixed", "--people", "population:none.yaml"], 3, "none.yaml"),
     ],
 )
@@ -220,7 +220,6 @@ def written(cell: Cell, folder: Path) -> str:
         (with_changeovers(), "expected", "exact values cannot hold changeovers"),
         (with_changeovers(), "minimax", "exact values cannot hold changeovers"),
         (layered(15, seed=0), "expected", "at most 14 tasks, this one has 15"),
-        (THESIS, "learned", "name a trained policy with --learned FILE"),
     ],
 )
 def test_who_cannot_hold_the_cell_is_left_out_and_the_others_are_judged(
@@ -291,11 +290,11 @@ def test_where_nobody_is_left_all_reasons_are_said_and_the_code_is_the_first_s(
     tmp_path: Path, capsys: Capture
 ) -> None:
     asked = ["simulate", written(with_changeovers(), tmp_path), "--episodes", "2", "-q", "--policy"]
-    assert run([*asked, "expected,learned"]) == 3
+    lost = ["--learned", str(tmp_path / "lost")]
+    assert run([*asked, "expected,learned", *lost]) == 3
     said = capsys.readouterr().err
     assert "- expected: tools: exact values cannot hold changeovers" in said
-    assert "- learned: name a trained policy" in said
-    assert run([*asked, "learned,expected"]) == 2
+    assert f"- learned: {tmp_path / 'lost'}" in said
     assert run([*asked, "minimax"]) == 3
 
 

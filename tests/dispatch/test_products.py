@@ -241,7 +241,7 @@ def test_taking_apart_needs_no_part() -> None:
     assert ("lid", ("anna",)) in legal(shift.situation)
 
 
-@pytest.mark.parametrize("name", [name for name in POLICIES if name != "learned"])
+@pytest.mark.parametrize("name", POLICIES)
 def test_every_decider_leaves_what_is_blocked(name: str) -> None:
     decider = policy(name, TWO, options=Options(budget_ms=10_000))
     for event in (

@@ -155,7 +155,7 @@ _OF_DECIDERS = (
         "--learned",
         help=(
             "A trained policy, for `learned` and `auto`: a file, or the folder of a run (its best"
-            " seed)."
+            " seed). Without one, `learned` takes the network for all cells."
         ),
     ),
 )

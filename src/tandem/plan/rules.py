@@ -180,14 +180,14 @@ def build(
         return time * end + weight * step.stress
 
     if not rule.prices:
-        return _drawn_together(layout, rule.build(layout, priority, score))
+        return drawn_together(layout, rule.build(layout, priority, score))
     dear = rule.prices * (random.lognormvariate(0.0, 3 * shake) if shake else 1.0)
     price = [dear * price for price in (load_prices(layout)[1] if prices is None else prices)]
 
     def priced(end: int, step: Step) -> float:
         return score(end, step) + step.ticks * sum(price[operator] for operator in step.operators)
 
-    return _drawn_together(layout, rule.build(layout, priority, priced))
+    return drawn_together(layout, rule.build(layout, priority, priced))
 
 
 def _urgent_first(layout: Layout, priority: Sequence[float]) -> list[float]:
@@ -197,7 +197,7 @@ def _urgent_first(layout: Layout, priority: Sequence[float]) -> list[float]:
     return [p - ahead if task in urgent else p for task, p in enumerate(priority)]
 
 
-def _drawn_together(layout: Layout, state: PartialSchedule | None) -> PartialSchedule | None:
+def drawn_together(layout: Layout, state: PartialSchedule | None) -> PartialSchedule | None:
     """The schedule with every task put off that another one would else follow too late, if its
     order lets it be.
     """
@@ -363,7 +363,7 @@ def attempts(
             layout,
             repair,
             random,
-            stress=SWEEP[-1 - attempt // 2 % len(SWEEP)] * _exchange(layout),
+            stress=SWEEP[-1 - attempt // 2 % len(SWEEP)] * exchange_of(layout),
             temperature=0.02 * attempt,
         )
 
@@ -389,11 +389,11 @@ def _weights(
     else:
         own = ()
     if sample:
-        return (random.choice(own or SWEEP) * (1.0 if own else _exchange(layout)),)
-    return (*own, *(weight * _exchange(layout) for weight in SWEEP))
+        return (random.choice(own or SWEEP) * (1.0 if own else exchange_of(layout)),)
+    return (*own, *(weight * exchange_of(layout) for weight in SWEEP))
 
 
-def _exchange(layout: Layout) -> float:
+def exchange_of(layout: Layout) -> float:
     """Ticks that one unit of stress is worth when the cell's time and its stress count the same."""
     steps = [step for row in layout.steps for step in row]
     stress = sum(step.stress for step in steps)

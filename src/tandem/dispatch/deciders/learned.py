@@ -1,4 +1,6 @@
-"""`learned`: what `tandem train` learned, by whichever algorithm: a network in NumPy."""
+"""`learned`: what `tandem train` learned, by whichever algorithm: a network in NumPy; where nothing
+was trained, the policy for any cell.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.dispatch.deciders.any_cell import any_cell
 from tandem.dispatch.deciders.beliefs import Models, allowed, position
-from tandem.dispatch.deciders.policy import Decision, Options
+from tandem.dispatch.deciders.policy import Decision, Options, Policy
 from tandem.dispatch.deciders.reply import Ranked, reply
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves
 from tandem.dispatch.situation.model import Situation
-from tandem.errors import UsageError
 from tandem.learn.algorithm import Learnt
 from tandem.learn.training.algorithms import decider_of
 from tandem.learn.training.runs import RunFolder
@@ -29,17 +31,16 @@ AWAY_S = 60.0
 """ASSUMPTION: who is away is taken to be back in so many seconds."""
 
 
-def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
-    """The policy in `options.learned`: a file, or the folder of a run (its best seed then).
+def learned(cell: Cell, objective: Objective, options: Options) -> Policy:
+    """The policy in `options.learned`: a file, or the folder of a run (its best seed then). The
+    policy for any cell that comes with Tandem where none is named.
 
     Raises:
-      UsageError: none is named, it does not fit the cell, or its world knows no events.
+      UsageError: it does not fit the cell, or its world knows no events.
       CellError: the file is no policy, or the world cannot hold the cell.
     """
     if options.learned is None:
-        raise UsageError(
-            "learned: name a trained policy with --learned FILE. Train one with: tandem train CELL"
-        )
+        return any_cell(cell, objective, options)
     path = Path(options.learned)
     if path.is_dir():
         run = RunFolder(path)

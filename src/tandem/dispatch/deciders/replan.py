@@ -105,6 +105,24 @@ def by_plan(
       guides: plans of the whole cell, made before the shift.
     """
     plan = planned(policy, moves, situation, here, work, guides)
+    return told(policy, moves, situation, here, plan, began)
+
+
+def told(
+    policy: Planner,
+    moves: Moves,
+    situation: Situation,
+    here: Position,
+    plan: Plan | None,
+    began: float,
+    found: str = "the best plan found",
+) -> Decision:
+    """The decision to begin what begins now in the plan; the rule's where there is none, or it
+    begins nothing although nothing runs.
+
+    Args:
+      found: what the plan is where it is not proven.
+    """
     choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
     # there is always an answer: the rule's, when no plan is found or it begins nothing
     if plan is None or choice is None:
@@ -124,10 +142,7 @@ def by_plan(
     look = _put_off(moves, here, plan) if moves.instance.has_most_lags else None
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
     end = situation.now + plan.ticks / moves.instance.per_second
-    because = (
-        f"so that all is done at {end:.4g} s,"
-        f" {'at the earliest' if plan.proven else 'the best plan found'}"
-    )
+    because = f"so that all is done at {end:.4g} s, {'at the earliest' if plan.proven else found}"
     return reply(
         policy.name,
         moves,

@@ -110,11 +110,13 @@ POLICIES: Table[Entry | Theirs] = Table(
             "tandem.dispatch.deciders.by_value:minimax",
         ),
         "learned": Entry(
-            "what `tandem train` learned, by any of its algorithms: a network in NumPy",
+            "what `tandem train` learned, by any of its algorithms: a network in NumPy; without a"
+            " file, the best schedule of the rest by the one network for all cells",
             "tandem.dispatch.deciders.learned:learned",
         ),
         "auto": Entry(
-            "learned, else planned anew, else a rule; always answers within the budget",
+            "learned where a file is given, else planned anew, else a rule; always answers within"
+            " the budget",
             "tandem.dispatch.deciders.auto:auto",
             follows=True,
         ),

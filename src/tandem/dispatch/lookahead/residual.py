@@ -297,7 +297,7 @@ def sketch(
     if best is None:
         return None
     going = [ticks for _, ticks in position.running]
-    return _as_plan(left, best, max([best.makespan, *going]), 0.0, False)
+    return as_plan(left, best, max([best.makespan, *going]), 0.0, False)
 
 
 FIRST = ("longest-tail", "balanced", "earliest-completion", "heft")
@@ -365,7 +365,7 @@ def resumed(left: Rest, plan: Plan) -> Plan | None:
     if not all(row == (-1,) or planned.intersection(row) for row in left.ways):
         return None
     state = _appended(left, Layout.of(left.instance), plan)
-    return None if state is None else _as_plan(left, state, state.makespan, 0.0, False)
+    return None if state is None else as_plan(left, state, state.makespan, 0.0, False)
 
 
 def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
@@ -403,10 +403,11 @@ def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool)
     state = append_in_order(layout, order, steps)
     if state is None:
         return None
-    return _as_plan(left, state, state.makespan, bound, proven)
+    return as_plan(left, state, state.makespan, bound, proven)
 
 
-def _as_plan(left: Rest, state: PartialSchedule, ticks: int, bound: float, proven: bool) -> Plan:
+def as_plan(left: Rest, state: PartialSchedule, ticks: int, bound: float, proven: bool) -> Plan:
+    """A list schedule of the rest as a plan of so many ticks."""
     starts = state.starts()
     begins = [
         (start, left.ways[t][way]) for t, (way, start) in enumerate(starts) if left.ways[t][0] >= 0

@@ -1,0 +1,46 @@
+"""Trains the policy for any cell that Tandem ships: imitation of exact schedules of small cells,
+then self-labelling on larger ones. A run that is stopped goes on in its folder, to the bit.
+
+    python benchmarks/graph_training.py FOLDER [-o FILE] [--seed 0] [--rounds 12] [--drawn 64]
+
+`-o FILE` writes the weights; those that are shipped are
+`src/tandem/learn/graph/weights.npz`. A line a round is printed, as JSON.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+from tandem.learn.graph.training import Config, Told, train
+from tandem.learn.graph.weights import write_weights
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    usual = Config()
+    parser.add_argument("folder", type=Path, help="where the run is kept")
+    parser.add_argument("-o", "--output", type=Path, help="file for the weights")
+    parser.add_argument("--seed", type=int, default=usual.seed)
+    parser.add_argument("--rounds", type=int, default=usual.rounds)
+    parser.add_argument("--drawn", type=int, default=usual.drawn)
+    asked = parser.parse_args()
+
+    def say(told: Told) -> None:
+        print(json.dumps({**asdict(told), "cpu_s": round(time.process_time(), 1)}), flush=True)
+
+    config = Config(seed=asked.seed, rounds=asked.rounds, drawn=asked.drawn)
+    weights = train(config, asked.folder, say)
+    if asked.output is not None:
+        write_weights(asked.output, weights)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

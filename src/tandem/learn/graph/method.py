@@ -1,0 +1,132 @@
+"""`learned` as a method of planning: schedules by the policy for any cell, one greedy and the
+others drawn, and never worse than the best dispatch rule.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from random import Random
+from time import perf_counter
+
+import numpy as np
+
+from tandem.cell.model import Cell
+from tandem.errors import NothingFoundError
+from tandem.learn.graph.making import Maker
+from tandem.learn.graph.outlook import Outlook
+from tandem.learn.graph.weights import shipped
+from tandem.plan.bounds import reckoned
+from tandem.plan.door import Door
+from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout, PartialSchedule
+from tandem.plan.method import Hint, Progress
+from tandem.plan.question import Question
+from tandem.plan.result import Front
+from tandem.plan.rules import SPECS, SWEEP, Keeper, attempts, drawn_together, exchange_of
+
+NAME = "learned"
+SAMPLES = 64
+"""Schedules in all, one of them greedy; for a front so many are shared out over the weights of
+stress, with a greedy one for each.
+"""
+UNLIKE = ("random",)
+"""Rules that are no yardstick: one schedule that is drawn."""
+
+
+def learned(
+    cell: Cell,
+    question: Question = Question(),
+    *,
+    time_limit: float | None = None,
+    work: float | None = None,
+    seed: int = 0,
+    workers: int | None = None,
+    hint: Hint = None,
+    on_solution: Callable[[Progress], None] | None = None,
+) -> Front:
+    """the best of 64 schedules by one network for all cells, or what the best dispatch rule finds
+
+    Every rule is asked too, so that no answer is worse than theirs; `solver` names those that gave
+    a point of the front. Nothing is proven but simple bounds. `work`, `workers` and `hint` play no
+    part: the same number of schedules is made each time.
+
+    Raises NothingFoundError when neither found a schedule that keeps the limits.
+    """
+    began = perf_counter()
+    layout = Layout.of(Instance.of(cell))
+    bound = reckoned(layout)
+    keeper = Keeper(Door(cell, layout.instance, question), bound)
+    by: dict[int, str] = {}
+    interrupted = late = False
+    # what was found so far is an answer, also when time runs out or the user interrupts
+    try:
+        for name, state in _schedules(layout, question, seed, lambda: bool(keeper.found)):
+            if state is not None and keeper.offer(state.starts()):
+                by |= {id(result): name for result in keeper.found if id(result) not in by}
+                if on_solution is not None:
+                    on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
+            if late := time_limit is not None and perf_counter() - began > time_limit:
+                break
+    except KeyboardInterrupt:
+        interrupted = True
+    if not keeper.found:
+        raise NothingFoundError(
+            f"{NAME}: no schedule that keeps {keeper.limits()} was found by the policy or by a"
+            " rule; another method may find one."
+        )
+    found = keeper.results()
+    solver = ", ".join(sorted({by[id(result)] for result in found}, key=_policy_first))
+    return Front(
+        cell,
+        found,
+        False,
+        NAME,
+        solver,
+        seed,
+        perf_counter() - began,
+        interrupted,
+        question,
+        out_of_time=late,
+    )
+
+
+def _policy_first(name: str) -> tuple[bool, str]:
+    return name != NAME, name
+
+
+def _schedules(
+    layout: Layout, question: Question, seed: int, enough: Callable[[], bool]
+) -> Iterator[tuple[str, PartialSchedule | None]]:
+    """Who made it, and the schedule; None for an attempt that ran into a limit. The policy comes
+    first: a rule is named only where it found something better.
+    """
+    # stress that is listed by sets of tasks says nothing of a single one: only rules can take it
+    if not layout.impossible() and layout.instance.stress_of_set is None:
+        yield from ((NAME, state) for state in _own(layout, question, seed))
+    for name, rule in SPECS.items():
+        if name not in UNLIKE:
+            for state in attempts(layout, rule, Random(seed), question, enough):
+                yield name, state
+
+
+def _own(layout: Layout, question: Question, seed: int) -> Iterator[PartialSchedule | None]:
+    """The policy's schedules: of each weight of stress one greedy, then as many drawn."""
+    random = np.random.default_rng(seed)
+    weights = weights_of_stress(layout, question)
+    for weight in weights:
+        maker = Maker.of(shipped(), Outlook.of(layout, weight))
+        yield drawn_together(layout, maker.build())
+        for _ in range(SAMPLES // len(weights) - 1):
+            yield drawn_together(layout, maker.build(random))
+
+
+def weights_of_stress(layout: Layout, question: Question) -> Sequence[float]:
+    """What a unit of stress is worth in ticks, of each policy that is asked."""
+    instance, most = layout.instance, SWEEP[-2]
+    if question.minimize == "makespan" and question.max_stress is None:
+        return (0.0,)
+    if question.minimize == "weighted" and question.max_stress is None:
+        time, stress = question.weights
+        own = stress / time * instance.per_second / instance.per_stress if time else float("inf")
+        return (min(own, most * exchange_of(layout)),)
+    return [weight * exchange_of(layout) for weight in SWEEP[:-1]]

@@ -1,0 +1,90 @@
+"""The network: nodes and relations of a cell in, a number for each choice out. Pure functions over
+an array namespace: trained under JAX, and the same lines decide in NumPy.
+
+Tasks and operators tell each other what they are in `ROUNDS` rounds of messages, means over those
+who have to do with each other, so that the order in which they stand changes nothing (permutation
+equivariant). This is done once a cell. Each decision then takes one small perceptron over its
+choices: what can be seen of a choice now, and what its task and its operators were found to be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+from tandem.learn.graph.candidates import FEATURES
+from tandem.learn.graph.outlook import OPERATOR, PAIR, TASK
+from tandem.learn.networks import forward, init
+
+Array = Any
+Weights = dict[str, Any]
+
+WIDTH, HIDDEN, ROUNDS = 16, 64, 2
+
+
+def fresh(draw: Callable[[tuple[int, ...]], Array]) -> Weights:
+    """Weights of a policy that prefers nothing yet. `draw` as `networks.init` takes it."""
+    found: Weights = {
+        "task": init(draw, (TASK, WIDTH)),
+        "operator": init(draw, (OPERATOR, WIDTH)),
+        "step": init(draw, (2 * WIDTH, HIDDEN)),
+        "choice": init(draw, (FEATURES, HIDDEN, HIDDEN, 1), last=0.1),
+    }
+    for turn in range(ROUNDS):
+        found[f"to operators {turn}"] = init(draw, (2 * WIDTH + PAIR, 2 * WIDTH, WIDTH))
+        found[f"to tasks {turn}"] = init(draw, (4 * WIDTH + PAIR, 2 * WIDTH, WIDTH))
+    return found
+
+
+def nodes(
+    xp: ModuleType, weights: Weights, tasks: Array, operators: Array, pairs: Array, before: Array
+) -> tuple[Array, Array]:
+    """`[N, WIDTH]` and `[O, WIDTH]`: what each task and each operator is among the others.
+
+    Rows of tasks that are only padding have no pairs and wait for nothing; they change nothing of
+    the others.
+    """
+    able = pairs[..., 2:3]
+    task = forward(xp, weights["task"], tasks, "relu")
+    operator = forward(xp, weights["operator"], operators, "relu")
+    firsts = before / xp.maximum(before.sum(1, keepdims=True), 1)
+    lasts = before.T / xp.maximum(before.sum(0)[:, None], 1)
+    for turn in range(ROUNDS):
+        shape = (*able.shape[:2], WIDTH)
+        seen = xp.concatenate(
+            [
+                xp.broadcast_to(task[:, None], shape),
+                xp.broadcast_to(operator[None], shape),
+                pairs,
+            ],
+            -1,
+        )
+        told = forward(xp, weights[f"to operators {turn}"], seen, "relu") * able
+        operator = operator + told.sum(0) / xp.maximum(able.sum(0), 1)
+        mine = (operator[None] * able).sum(1) / xp.maximum(able.sum(1), 1)
+        pair = (pairs * able).sum(1) / xp.maximum(able.sum(1), 1)
+        heard = xp.concatenate([task, firsts @ task, lasts @ task, mine, pair], -1)
+        task = task + forward(xp, weights[f"to tasks {turn}"], heard, "relu")
+    return task, operator
+
+
+def lasting(xp: ModuleType, weights: Weights, task: Array, group: Array) -> Array:
+    """`[..., HIDDEN]`: what a step's task and operators add to the first layer of each decision.
+
+    Args:
+      task, group: `[..., WIDTH]`, what the step's task is, and the mean of what its operators are.
+    """
+    return xp.concatenate([task, group], -1) @ weights["step"]["0"]["weight"]
+
+
+def scores(xp: ModuleType, weights: Weights, seen: Array, lasting: Array) -> Array:
+    """`[..., K]` logits of the choices.
+
+    Args:
+      seen: `[..., K, FEATURES]`, what can be seen of the choices now.
+      lasting: `[..., K, HIDDEN]`, of their steps.
+    """
+    first = seen @ weights["choice"]["0"]["weight"] + weights["choice"]["0"]["bias"] + lasting
+    rest = {str(at): weights["choice"][str(at + 1)] for at in range(2)}
+    return forward(xp, rest, xp.maximum(first, 0), "relu")[..., 0]

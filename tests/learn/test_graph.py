@@ -1,0 +1,280 @@
+"""The policy for any cell: what it sees, what it is, how it learns, and what comes of it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.strategies import cells
+
+import tandem
+from tandem.cell.model import Cell
+from tandem.files.generators import layered
+from tandem.files.validate import cell_of
+from tandem.learn.graph.candidates import Making, features
+from tandem.learn.graph.labels import drawn_exchange, exact_label, layout_of
+from tandem.learn.graph.making import Maker, retold
+from tandem.learn.graph.network import fresh, lasting, nodes, scores
+from tandem.learn.graph.outlook import Outlook
+from tandem.learn.graph.training_cells import FIRST_SEED, training_cell
+from tandem.learn.graph.weights import SHIPPED, packed, shipped, unpacked, write_weights
+from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
+from tandem.plan.question import Question
+from tandem.schedule.checker import faults
+
+EXAMPLES = sorted(Path("examples").glob("*.yaml"))
+
+
+def drawn_weights(seed: int = 0) -> dict[str, Any]:
+    rng = np.random.default_rng(seed)
+    return fresh(lambda shape: rng.uniform(-1, 1, shape).astype(np.float32))
+
+
+def outlook(cell: Cell, exchange: float = 0.5) -> Outlook:
+    return Outlook.of(layout_of(cell), exchange)
+
+
+# --- what it sees ---------------------------------------------------------------------------------
+
+
+def turned(cell: Cell, seed: int) -> Cell:
+    """The same cell, its tasks and operators in another order."""
+    data, rng = cell.to_dict(), np.random.default_rng(seed)
+    for key in ("operators", "tasks"):
+        names = list(data[key])
+        data[key] = {names[at]: data[key][names[at]] for at in rng.permutation(len(names))}
+    return cell_of(data)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_order_of_tasks_and_operators_changes_nothing(seed: int) -> None:
+    cell = training_cell(seed, 20)
+    other = turned(cell, seed)
+    weights = drawn_weights(seed)
+    found = []
+    for one in (cell, other):
+        seen = outlook(one)
+        task, operator = nodes(np, weights, seen.tasks, seen.operators, seen.pairs, seen.before)
+        names = seen.layout.instance
+        found.append(
+            (
+                dict(zip(names.tasks, task, strict=True)),
+                dict(zip(names.operators, operator, strict=True)),
+            )
+        )
+    for mine, theirs in zip(*found, strict=True):
+        assert mine.keys() == theirs.keys()
+        for name in mine:
+            np.testing.assert_allclose(mine[name], theirs[name], atol=1e-4)
+
+
+@pytest.mark.parametrize("times", [10, 1000])
+def test_the_unit_of_time_changes_nothing(times: int) -> None:
+    cell = layered(12, seed=3)
+    data = cell.to_dict()
+    for task in data["tasks"].values():
+        task["time"] = {name: seconds * times for name, seconds in task["time"].items()}
+    maker = Maker.of(drawn_weights(), outlook(cell, 0.0))
+    slow = Maker.of(drawn_weights(), outlook(cell_of(data), 0.0))
+    mine, theirs = maker.build(), slow.build()
+    assert mine is not None
+    assert theirs is not None
+    assert theirs.makespan == mine.makespan * times
+    assert theirs.way == mine.way
+
+
+def test_features_are_bounded_numbers_to_the_end() -> None:
+    making = Making.of(outlook(training_cell(2, 25)))
+    while making.left:
+        choices = making.choices()
+        seen = features(making, choices)
+        assert np.isfinite(seen).all()
+        assert np.abs(seen).max() <= 8
+        making.put(choices[-1])
+
+
+# --- what it is -----------------------------------------------------------------------------------
+
+
+def test_jax_and_numpy_see_the_same() -> None:
+    jnp = pytest.importorskip("jax.numpy", reason="training needs the extra tandem[learn]")
+    weights, seen = drawn_weights(1), outlook(training_cell(5, 20))
+    making = Making.of(seen)
+    choices = making.choices()
+    found = []
+    for xp in (np, jnp):
+        task, operator = nodes(xp, weights, seen.tasks, seen.operators, seen.pairs, seen.before)
+        steps = lasting(xp, weights, task[seen.steps.task], seen.steps.share @ operator)
+        rows = np.array([choice.row for choice in choices])
+        found.append(np.asarray(scores(xp, weights, features(making, choices), steps[rows])))
+    np.testing.assert_allclose(found[0], found[1], atol=1e-4)
+
+
+def test_the_shipped_weights_are_small_and_those_of_this_network() -> None:
+    weights = packed(shipped())
+    like = packed(drawn_weights())
+    assert {name: part.shape for name, part in weights.items()} == {
+        name: part.shape for name, part in like.items()
+    }
+    assert sum(part.size for part in weights.values()) <= 200_000
+    file = Path(tandem.learn.__file__ or "").parent / "graph" / SHIPPED
+    assert file.stat().st_size < 2**20
+
+
+def test_weights_are_read_as_they_were_written(tmp_path: Path) -> None:
+    weights = drawn_weights(4)
+    write_weights(tmp_path / "w.npz", weights)
+    with np.load(tmp_path / "w.npz", allow_pickle=False) as file:
+        again = unpacked({name: file[name] for name in file.files})
+    assert json.dumps(sorted(packed(again))) == json.dumps(sorted(packed(weights)))
+    for name, part in packed(weights).items():
+        np.testing.assert_array_equal(packed(again)[name], part)
+
+
+# --- what comes of it -----------------------------------------------------------------------------
+
+
+@settings(max_examples=40, deadline=None)
+@given(cells(), st.integers(0, 1000))
+def test_whatever_it_makes_keeps_the_cell(cell: Cell, seed: int) -> None:
+    layout = Layout.of(Instance.of(cell))
+    if layout.impossible() or layout.instance.has_most_lags:
+        return
+    maker = Maker.of(drawn_weights(seed), Outlook.of(layout, 0.3))
+    for random in (None, np.random.default_rng(seed)):
+        state = maker.build(random)
+        if state is None:
+            continue
+        schedule = layout.instance.schedule(state.starts())
+        wrong = [fault for fault in faults(cell, schedule) if "deadline" not in fault]
+        assert wrong == []
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_an_exact_schedule_is_retold_to_its_end(number: int) -> None:
+    """Each decision has its choice among those that are looked at, and what comes of it is no
+    longer.
+    """
+    label = exact_label(number, 12, 1.0)
+    assert label is not None
+    seen = label.outlook()
+    told = []
+    for making, choices, which in retold(seen, label.starts):
+        assert set(which) <= set(range(len(choices)))
+        assert which
+        told.append(making)
+    assert len(told) == len(seen.tasks)
+    making = told[-1]  # the same one all along
+    ends = [
+        start + seen.layout.instance.ways[task][way].ticks
+        for task, (way, start) in enumerate(label.starts)
+    ]
+    assert making.left == 0
+    assert making.state.makespan <= max(ends)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_no_answer_is_worse_than_the_best_rule(path: Path) -> None:
+    from tandem.learn.baseline import best_rule
+
+    cell = tandem.load(path)
+    question = Question(minimize="makespan")
+    rule = best_rule(cell, lambda makespan, stress: makespan, question=question)
+    (found,) = tandem.plan(cell, question, method="learned")
+    assert rule is not None
+    assert found.makespan <= rule.result.makespan
+    assert faults(cell, found.schedule) == []
+
+
+def test_the_front_of_the_thesis_is_met() -> None:
+    front = tandem.plan(tandem.load("examples/thesis.yaml"), method="learned")
+    assert front.points == [(23, 7), (24, 3), (34, 2)]
+    assert not front.complete
+    assert front.method == "learned"
+
+
+def test_it_repeats_for_a_seed_and_keeps_limits() -> None:
+    cell = layered(15, seed=8)
+    one, two = (tandem.plan(cell, method="learned", seed=5) for _ in range(2))
+    assert one.points == two.points
+    assert [a.schedule.digest for a in one] == [b.schedule.digest for b in two]
+    most = sorted(stress for _, stress in one.points)[0]
+    limited = tandem.plan(cell, Question(max_stress=most), method="learned")
+    assert all(stress <= most for _, stress in limited.points)
+
+
+# --- how it learns --------------------------------------------------------------------------------
+
+
+def test_the_cells_that_are_trained_on_are_drawn_apart_from_those_of_tests() -> None:
+    """By seeds, and by what they are."""
+    from benchmarks.graph_policy import unseen_cells
+
+    tested = {json.dumps(cell.to_dict()["tasks"]) for _, cell in unseen_cells([10], 2, 30)}
+    trained = {json.dumps(training_cell(number, 10).to_dict()["tasks"]) for number in range(200)}
+    assert len(tested) == 30
+    assert not tested & trained
+    assert FIRST_SEED > 100_000
+    assert training_cell(3, 20) == training_cell(3, 20)
+
+
+def test_both_kinds_of_weight_are_drawn() -> None:
+    layout = layout_of(training_cell(0, 10))
+    drawn = [drawn_exchange(number, layout) for number in range(60)]
+    assert 10 < sum(not one for one in drawn) < 40
+    assert len({one for one in drawn if one}) > 5
+
+
+def test_a_short_training_learns_and_goes_on_to_the_bit(tmp_path: Path) -> None:
+    pytest.importorskip("jax", reason="training needs the extra tandem[learn]")
+    from tandem.errors import UsageError
+    from tandem.learn.graph.training import Config, Told, train
+
+    config = Config(
+        imitated=24, imitated_tasks=8, imitation_steps=60, rounds=2, drawn=4, most_tasks=10,
+        samples=4, steps=10, kept=26,
+    )  # fmt: skip
+    told: list[Told] = []
+    whole = train(config, tmp_path / "whole", told.append)
+    assert [one.round for one in told] == [0, 1, 2]
+    assert told[-1].labels == 26
+
+    class Stopped(Exception):
+        pass
+
+    def stop(one: Told) -> None:
+        if one.round == 1:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        train(config, tmp_path / "parts", stop)
+    again = train(config, tmp_path / "parts", told.append)
+    for name, part in packed(whole).items():
+        np.testing.assert_array_equal(packed(again)[name], part)
+    with pytest.raises(UsageError, match="another configuration"):
+        train(replace(config, seed=1), tmp_path / "parts", told.append)
+    # better than weights that prefer nothing, on the cells that were imitated
+    labels = [exact_label(number, 8, 0.3) for number in range(24)]
+    gaps = {"fresh": 0.0, "trained": 0.0}
+    for label in filter(None, labels):
+        for name, weights in (("fresh", drawn_weights()), ("trained", whole)):
+            state = Maker.of(weights, label.outlook()).build()
+            assert state is not None
+            gaps[name] += state.makespan + label.exchange * state.stress
+    assert gaps["trained"] < gaps["fresh"]
+
+
+def test_the_page_tells_the_numbers_that_are_kept() -> None:
+    kept = json.loads(Path("benchmarks/results/graph_policy.json").read_text())
+    page = Path("docs/one-policy.md").read_text()
+    for row in kept["rows"]:
+        told = [f"{row[name]['gap']:g} (" for name in ("greedy", "best of 64", "best-of-n")]
+        assert f"| {row['tasks']} | {told[0]}" in page
+        assert all(words in page for words in told)
