@@ -85,6 +85,6 @@ def scores(xp: ModuleType, weights: Weights, seen: Array, lasting: Array) -> Arr
       seen: `[..., K, FEATURES]`, what can be seen of the choices now.
       lasting: `[..., K, HIDDEN]`, of their steps.
     """
-    first = seen @ weights["choice"]["0"]["weight"] + weights["choice"]["0"]["bias"] + lasting
+    first = forward(xp, {"0": weights["choice"]["0"]}, seen, "relu") + lasting
     rest = {str(at): weights["choice"][str(at + 1)] for at in range(2)}
     return forward(xp, rest, xp.maximum(first, 0), "relu")[..., 0]
