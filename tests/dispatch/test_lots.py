@@ -4,7 +4,9 @@ last. A lot is a cell, so every decider that can hold its size takes it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.dispatch.cells import GEARBOX, line
@@ -73,7 +75,7 @@ def test_who_is_idle_begins_the_next_product(name: str) -> None:
 def test_pairs_and_single_ones_cut_off_again_and_again_are_decided_identically(
     name: str, tmp_path: Path
 ) -> None:
-    """A single one, a pair, a single one; each process takes five lines, then is gone."""
+    """A single one, a pair, a single one; each process takes ten lines, then is gone."""
     settings = Settings(name, options=OPTIONS)
     lines = [line("product", 0, variant="pair", id="mes-1"), line("product", 0, id="mes-2")]
     with Journal() as journal:
@@ -87,10 +89,10 @@ def test_pairs_and_single_ones_cut_off_again_and_again_are_decided_identically(
         assert whole.situation.products_done == 3
         decisions = [told(entry.decision) for entry in journal.entries()]
     path = tmp_path / "shift.db"
-    for first in range(0, len(lines), 5):
+    for first in range(0, len(lines), 10):
         with Journal(path) as journal:
             shift = opened(journal, settings)
-            for text in lines[first : first + 5]:
+            for text in lines[first : first + 10]:
                 shift.take(text)
     assert shift.situation == whole.situation
     with Journal(path, read_only=True) as journal:
@@ -98,6 +100,6 @@ def test_pairs_and_single_ones_cut_off_again_and_again_are_decided_identically(
         assert replay(GEARBOX, journal, decider=decider(settings)).differences == ()
 
 
-def told(decision: Document | None) -> Document:
+def told(decision: Mapping[str, Any] | None) -> Document:
     """The decision without how long it took."""
     return {key: value for key, value in (decision or {}).items() if key != "latency_ms"}

@@ -213,9 +213,9 @@ def _named(given: tuple[str, ...], times: int) -> dict[str, str]:
     wrong: list[str] = []
     named: dict[str, str] = {}
     for text in given * times:
-        name, is_named, file = text.partition("=")
+        name, equals, file = text.partition("=")
         # a file whose own name has an equals sign in it is a file
-        is_named = is_named and not Path(text).exists()
+        is_named = bool(equals) and not Path(text).exists()
         key = clean(name) if is_named else str(len(named) + 1)
         if is_named and times > 1:
             wrong.append(
