@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from tandem.cell.names import clean
 from tandem.cli.options import AS_JSON, FORMAT
 from tandem.errors import UsageError
 from tandem.files.formats.table import WRITERS
@@ -23,6 +24,9 @@ OUTPUT = click.option(
     type=click.Path(dir_okay=False, path_type=Path),
     help="Cell file to write, .yaml or .json; YAML on stdout when absent.",
 )
+
+MOST_OF_A_LOT = 100
+"""Products of one lot; longer lots are what `tandem dispatch --products` is for."""
 
 PICTURE = click.option(
     "--picture",
@@ -172,6 +176,63 @@ def desk_command(output: Path | None, picture: Path | None) -> None:
 
     _put(desk().to_cell(), output)
     _draw(desk(), picture)
+
+
+@generate.command("lot")
+@click.argument("given", metavar="[NAME=]CELL...", nargs=-1, required=True)
+@click.option(
+    "--times",
+    type=click.IntRange(1, MOST_OF_A_LOT),
+    default=1,
+    show_default=True,
+    help="So many of each cell; they are then numbered.",
+)
+@OUTPUT
+def lot_command(given: tuple[str, ...], times: int, output: Path | None) -> None:
+    """Several products of one station in one cell, begun together: whoever is idle may begin the
+    next one while others finish the last. Plan it, print it, or let `tandem dispatch` make it.
+
+    Each product's tasks are named after it, such as `A-17/4`; products without a NAME are numbered.
+    Operators, tools and zones must be the same in all cells.
+
+    \b
+    Examples:
+      tandem generate lot cell.yaml --times 2 -o pair.yaml
+      tandem generate lot A-17=short.yaml A-18=long.yaml -o both.yaml
+    """
+    from tandem.files.load import load
+    from tandem.files.lot import lot
+
+    named = _named(given, times)
+    cells = {file: load(file) for file in dict.fromkeys(named.values())}
+    _put(lot({name: cells[file] for name, file in named.items()}), output)
+
+
+def _named(given: tuple[str, ...], times: int) -> dict[str, str]:
+    """Product -> its file; numbers for those without a name. Raises UsageError with every fault."""
+    wrong: list[str] = []
+    named: dict[str, str] = {}
+    for text in given * times:
+        name, equals, file = text.partition("=")
+        # a file whose own name has an equals sign in it is a file
+        is_named = bool(equals) and not Path(text).exists()
+        key = clean(name) if is_named else str(len(named) + 1)
+        if is_named and times > 1:
+            wrong.append(
+                f"{text}: products of --times are numbered. Leave the name or --times out."
+            )
+        elif key in named:
+            wrong.append(
+                f"{text}: the name {key!r} was given twice, or is a number of another one."
+            )
+        named[key] = file if is_named else text
+    if len(given) * times < 2:
+        wrong.append("a lot needs two products at least; name another cell, or state --times 2.")
+    if len(given) * times > MOST_OF_A_LOT:
+        wrong.append(f"a lot of {len(given) * times}: at most {MOST_OF_A_LOT} products can be one.")
+    if wrong:
+        raise UsageError("\n".join(dict.fromkeys(wrong)))
+    return named
 
 
 @click.command("convert")
