@@ -5,12 +5,13 @@ changed by hand.
 from __future__ import annotations
 
 import copy
+import multiprocessing
 
 import pytest
 
 from tandem.cell.model import Cell
 from tandem.draw.tornado import plot_tornado
-from tandem.errors import UsageError
+from tandem.errors import NothingFoundError, UsageError
 from tandem.explain.fronts import area
 from tandem.explain.sensitivity import carried_over, nondominated, scaled, sensitivity
 from tandem.files.generators import layered
@@ -91,3 +92,13 @@ def test_nondominated_points() -> None:
         (2, 2),
         (3, 1),
     ]
+
+
+def test_a_worker_that_is_killed_is_no_bug_of_ours(thesis: Cell) -> None:
+    def killed(done: int, of: int) -> None:
+        for child in multiprocessing.active_children():
+            child.kill()
+
+    with pytest.raises(NothingFoundError, match=r"ended from outside.* planned.*--workers") as told:
+        sensitivity(thesis, (-0.2, -0.1, 0.1, 0.2), each=True, workers=2, on_done=killed)
+    assert told.value.exit_code == 5

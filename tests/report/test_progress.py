@@ -118,7 +118,7 @@ def test_of_a_front_it_is_said_how_much_is_open_and_proven() -> None:
             progress(Progress(found, 20, 0.1, share))
     told = [line.partition("  ")[2] for line in stream.getvalue().splitlines()]
     assert told == [
-        "makespan 24 s, stress 3; 1 point, 1 proven, 100 % of the front's area open",
+        "makespan 24 s, stress 3; 1 point, 1 proven",
         "makespan 24 s, stress 3; 1 point, 1 proven, 50 % of the front's area open",
         "makespan 23 s, stress 7; 2 points, 2 proven, < 0.1 % of the front's area open",
         "makespan 23 s, stress 7; 2 points, 2 proven, 0 % of the front's area open",

@@ -8,6 +8,7 @@ import multiprocessing
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from time import monotonic
 from typing import Any
@@ -121,7 +122,7 @@ def sensitivity(
     Raises:
       UsageError: a share that leaves no time.
       InfeasibleError: the cell itself has no schedule.
-      NothingFoundError: none was found in the time.
+      NothingFoundError: none was found in the time, or a process that planned was killed.
     """
     began = monotonic()
     for share in shares:
@@ -202,6 +203,11 @@ def _run(
                 on_done(done, len(jobs))
     except KeyboardInterrupt:
         return effects, True
+    except BrokenProcessPool as error:
+        raise NothingFoundError(
+            "a process that planned anew was ended from outside, perhaps for want of memory, with"
+            f" {len(effects)} of {len(jobs)} planned. Run the command again, with fewer --workers."
+        ) from error
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
     return effects, False

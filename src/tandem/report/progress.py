@@ -135,14 +135,15 @@ class SolveProgress:
     def _front(self, newest: Result, progress: Progress, open_area: float) -> str:
         """What is said of a front that is worked through."""
         t = self.words
-        return t(
-            "progress.front",
-            makespan=t.seconds(newest.makespan),
-            stress=t.number(newest.stress),
-            points=t.count("picture.points", len(progress.found)),
-            proven=sum(result.status == Status.OPTIMAL for result in progress.found),
-            open=open_share(open_area, t),
-        )
+        said = {
+            "makespan": t.seconds(newest.makespan),
+            "stress": t.number(newest.stress),
+            "points": t.count("picture.points", len(progress.found)),
+            "proven": sum(result.status == Status.OPTIMAL for result in progress.found),
+        }
+        if open_area >= 1:  # the first schedules are the area's frame: their share says nothing
+            return t("progress.front_begun", **said)
+        return t("progress.front", **said, open=open_share(open_area, t))
 
     @staticmethod
     def _points(progress: Progress | None) -> list[tuple[float, float]]:
