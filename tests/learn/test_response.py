@@ -206,8 +206,6 @@ def test_a_run_or_a_file_is_taken_and_what_does_not_fit_is_refused_with_the_way_
         learned(
             tandem.load(ROOT / "examples" / "gearbox.yaml"), SECONDS, Options(learned=str(run[0]))
         )
-    with pytest.raises(UsageError, match="Train one with: tandem train CELL"):
-        learned(THESIS, SECONDS, Options())
     with pytest.raises(UsageError, match="no trained policy"):
         learned(THESIS, SECONDS, Options(learned=str(tmp_path)))
 

@@ -83,7 +83,7 @@ def copied(folder: Path) -> Path:
 
 def cell_at(page: Any, row: int, column: str) -> Any:
     """The cell of a row, from 0, in the column with that heading."""
-    headings = page.get_by_role("columnheader").all_inner_texts()
+    headings = page.get_by_role("grid").get_by_role("columnheader").all_inner_texts()
     return page.locator(f"td[data-row='{row}'][data-column='{headings.index(column)}']")
 
 
