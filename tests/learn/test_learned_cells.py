@@ -92,7 +92,13 @@ def by_turns(cell: Cell, schedule: Schedule) -> Episode:
     )
 
 
-@pytest.mark.parametrize("path", TRAINED, ids=lambda path: path.stem)
+AT_ONCE = [path for path in TRAINED if path.stem != "washing-machine"]
+"""Examples whose exact plans begin every task as soon as its operators may. The washing machine's
+is put off now and then, so that what follows comes in time; learners meet it all the same.
+"""
+
+
+@pytest.mark.parametrize("path", AT_ONCE, ids=lambda path: path.stem)
 def test_the_decisions_that_a_learner_has_reach_every_point_of_the_exact_front(path: Path) -> None:
     """A gap that is left is the learner's, not the game's."""
     cell = tandem.load(path)
