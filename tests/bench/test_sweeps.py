@@ -534,7 +534,7 @@ def test_what_learned_cannot_play_is_said_at_once(
     bench = ["bench", "-o", "live", "-q", "--policy"]
     cells = ["--cell", "thesis.yaml", "--cell", "small"]
     assert run([*bench, "learned", *cells]) == 2
-    assert "name `learned`" in capsys.readouterr().err
+    assert "Name the folders of those runs" in capsys.readouterr().err
     assert run([*bench, "spt", *cells, "--learned", "trained"]) == 2
     assert "Name that policy too" in capsys.readouterr().err
     assert run([*bench, "learned", *cells, "--learned", "trained", "--seeds", "2"]) == 2

@@ -271,7 +271,11 @@ class _Reader:
             return {}
         if "learned" not in self.data:
             where = () if self.document else ("learned",)
-            self.note(where, "the policy `learned` plays what was trained: name `learned`, runs.")
+            self.note(
+                where,
+                "is missing: in a sweep the policy `learned` is played by what was trained on each"
+                " cell. Name the folders of those runs.",
+            )
             return {}
         paths = [self.beside(name, path) for path, name in self.texts("learned")]
         try:

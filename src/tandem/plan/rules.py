@@ -234,33 +234,67 @@ def method(
     Raises:
       NothingFoundError: no schedule was found that keeps the limits; whether there is one is open.
     """
+    spec, random = SPECS[name], Random(seed)
+
+    def made(layout: Layout, enough: Callable[[], bool]) -> Attempts:
+        return ((name, state) for state in attempts(layout, spec, random, question, enough))
+
+    return best_of(cell, question, made, name, "this rule", seed, time_limit, on_solution)
+
+
+Attempts = Iterator[tuple[str, PartialSchedule | None]]
+"""Who made it, and the schedule; None for an attempt that ran into a limit."""
+
+
+def best_of(
+    cell: Cell,
+    question: Question,
+    made: Callable[[Layout, Callable[[], bool]], Attempts],
+    name: str,
+    by: str,
+    seed: int,
+    time_limit: float | None,
+    on_solution: Callable[[Progress], None] | None,
+) -> Front:
+    """The front of the schedules that are made one after the other, each judged by the checker.
+    Nothing is proven but simple bounds.
+
+    Args:
+      made: of the layout, and of what says whether anything was found, the schedules.
+      name: of the method; `solver` of the front names those who made what is left of it.
+      by: who found nothing, in a message.
+
+    Raises NothingFoundError when none of them keeps the limits.
+    """
     began = perf_counter()
     layout = Layout.of(Instance.of(cell))
     bound = reckoned(layout)
     keeper = Keeper(Door(cell, layout.instance, question), bound)
+    makers: dict[int, str] = {}
     interrupted = late = False
     # what was found so far is an answer, also when time runs out or the user interrupts
     try:
-        for state in attempts(
-            layout, SPECS[name], Random(seed), question, lambda: bool(keeper.found)
-        ):
-            if state is not None and keeper.offer(state.starts()) and on_solution is not None:
-                on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
+        for maker, state in made(layout, lambda: bool(keeper.found)):
+            if state is not None and keeper.offer(state.starts()):
+                makers[id(keeper.found[-1])] = maker
+                if on_solution is not None:
+                    on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
             if late := time_limit is not None and perf_counter() - began > time_limit:
                 break
     except KeyboardInterrupt:
         interrupted = True
     if not keeper.found:
         raise NothingFoundError(
-            f"{name}: no schedule that keeps {keeper.limits()} was found by this rule; another"
+            f"{name}: no schedule that keeps {keeper.limits()} was found by {by}; another"
             " method may find one."
         )
+    who = {makers[id(result)] for result in keeper.found}
     return Front(
         cell,
         keeper.results(),
         False,
         name,
-        name,
+        ", ".join(sorted(who, key=lambda maker: (maker != name, maker))),
         seed,
         perf_counter() - began,
         interrupted,

@@ -6,23 +6,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from random import Random
-from time import perf_counter
 
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.errors import NothingFoundError
 from tandem.learn.graph.making import Maker
 from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.weights import shipped
-from tandem.plan.bounds import reckoned
-from tandem.plan.door import Door
-from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule
 from tandem.plan.method import Hint, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Front
-from tandem.plan.rules import SPECS, SWEEP, Keeper, attempts, drawn_together, exchange_of
+from tandem.plan.rules import SPECS, SWEEP, Attempts, attempts, best_of, drawn_together, exchange_of
 
 NAME = "learned"
 SAMPLES = 64
@@ -52,54 +47,18 @@ def learned(
 
     Raises NothingFoundError when neither found a schedule that keeps the limits.
     """
-    began = perf_counter()
-    layout = Layout.of(Instance.of(cell))
-    bound = reckoned(layout)
-    keeper = Keeper(Door(cell, layout.instance, question), bound)
-    by: dict[int, str] = {}
-    interrupted = late = False
-    # what was found so far is an answer, also when time runs out or the user interrupts
-    try:
-        for name, state in _schedules(layout, question, seed, lambda: bool(keeper.found)):
-            if state is not None and keeper.offer(state.starts()):
-                by |= {id(result): name for result in keeper.found if id(result) not in by}
-                if on_solution is not None:
-                    on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
-            if late := time_limit is not None and perf_counter() - began > time_limit:
-                break
-    except KeyboardInterrupt:
-        interrupted = True
-    if not keeper.found:
-        raise NothingFoundError(
-            f"{NAME}: no schedule that keeps {keeper.limits()} was found by the policy or by a"
-            " rule; another method may find one."
-        )
-    found = keeper.results()
-    solver = ", ".join(sorted({by[id(result)] for result in found}, key=_policy_first))
-    return Front(
-        cell,
-        found,
-        False,
-        NAME,
-        solver,
-        seed,
-        perf_counter() - began,
-        interrupted,
-        question,
-        out_of_time=late,
-    )
 
+    def made(layout: Layout, enough: Callable[[], bool]) -> Attempts:
+        return _schedules(layout, question, seed, enough)
 
-def _policy_first(name: str) -> tuple[bool, str]:
-    return name != NAME, name
+    by = "the policy or by a rule"
+    return best_of(cell, question, made, NAME, by, seed, time_limit, on_solution)
 
 
 def _schedules(
     layout: Layout, question: Question, seed: int, enough: Callable[[], bool]
-) -> Iterator[tuple[str, PartialSchedule | None]]:
-    """Who made it, and the schedule; None for an attempt that ran into a limit. The policy comes
-    first: a rule is named only where it found something better.
-    """
+) -> Attempts:
+    """The policy comes first: a rule is named only where it found something better."""
     # stress that is listed by sets of tasks says nothing of a single one: only rules can take it
     if not layout.impossible() and layout.instance.stress_of_set is None:
         yield from ((NAME, state) for state in _own(layout, question, seed))

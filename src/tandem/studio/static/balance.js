@@ -67,7 +67,7 @@ const Operators = observed((/** @type {{operators: Fare[]}} */ { operators }) =>
         <th scope="row"><span class="swatch ${look?.class}" aria-hidden="true"></span> ${look?.label ?? one.operator}</th>
         <td><${Spent} one=${one} look=${look?.class ?? ""} /></td>
         ${heads.map((key) => html`<td class="number">${shown(one[key])}</td>`)}
-        <td class="number">${shown(Math.round(1000 * one.share) / 10)} %</td>
+        <td class="number">${shown(Math.round(100 * one.share))} %</td>
         <td class="number">${one.stress === null ? "–" : one.stress_limit === null ? shown(one.stress) : t("balance.limit", { stress: one.stress, limit: one.stress_limit })}</td>
       </tr>`;
     })}</tbody>
