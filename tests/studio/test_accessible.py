@@ -124,6 +124,12 @@ def test_no_view_of_the_studio_has_a_serious_fault(
     told["a proposal"] = serious(page)
     button(page, words, "button.discard").click()
 
+    page.evaluate("() => document.querySelectorAll('details').forEach(one => one.open = true)")
+    page.get_by_label(words["scenarios.name"]).fill("half")
+    button(page, words, "scenarios.copy").click()
+    page.locator("table.compared").first.wait_for()
+    told["panels and a scenario"] = serious(page)
+
     page.get_by_label(words["options.max_makespan"]).fill("20")
     page.keyboard.press("Tab")
     button(page, words, "button.plan").click()

@@ -109,7 +109,7 @@ def test_scenarios_are_planned_compared_and_one_is_kept(studio: Studio, expect: 
     expect(point).to_contain_text("never so quick")
     page.reload()
     expect(slow).to_contain_text("2, all proven")
-    button(page, "Keep slow hands as the file").click()
+    button(page, "Keep as the file: slow hands").click()
     expect(page.get_by_role("status")).to_contain_text("is saved")
     expect(cell_at(page, 2, "human [s]")).to_have_text("18")
     assert tandem.load(studio.path).tasks["3"].time == {"human": 18}
