@@ -28,7 +28,7 @@ def test_the_critical_path_and_the_balance_are_shown(shared: Studio, expect: Exp
     looked_at(page, expect, "24 s, stress 3")
     robot, human = (row_of(page, "Balance of operators", name) for name in ("robot", "human"))
     expect(robot).to_contain_text("100 %")
-    expect(human.get_by_role("cell")).to_have_text(["", "13", "11", "54.2 %", "3"])
+    expect(human.get_by_role("cell")).to_have_text(["", "13", "11", "54 %", "3"])
     path = page.get_by_role("list", name="Critical path")
     expect(path.get_by_role("button")).to_have_text(["2", "1", "4", "5", "7"])
     expect(page.locator("button.bar.critical")).to_have_count(5)
