@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import zipfile
 from pathlib import Path
 
@@ -374,6 +375,26 @@ def test_ctrl_c_during_a_search_keeps_what_was_found(own):
     kept = json.loads(own.file.with_name("cell.interrupted.json").read_text())
     assert kept["interrupted"] is True
     assert kept["front"]
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="processes are looked up in /proc")
+def test_a_search_that_is_slow_to_end_is_kept_too(own):
+    """As on a busy machine: what searches gets no processor for a while after Ctrl-C."""
+    told = own.ask("GET", "/api/cell").json
+    body = {"cell": LARGE, "version": told["version"]}
+    assert own.ask("PUT", "/api/cell", body).status == 200
+    events = iter(own.stream("time_limit=600"))
+    assert [next(events)[0] for _ in range(2)] == ["started", "progress"]
+    children = _children(own.process.pid)
+    for pid in children:
+        os.kill(pid, signal.SIGSTOP)
+    own.process.send_signal(signal.SIGINT)
+    time.sleep(2)
+    for pid in children:
+        os.kill(pid, signal.SIGCONT)
+    _, err = own.process.communicate(timeout=60)
+    assert "cell.interrupted.json" in err
+    assert json.loads(own.file.with_name("cell.interrupted.json").read_text())["front"]
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="processes are looked up in /proc")

@@ -23,7 +23,7 @@ from tandem.studio.failures import errors_of, failure
 from tandem.studio.folder import NewerError
 from tandem.studio.jobs import JOBS, OF_A_CELL, OPTIONS
 from tandem.studio.openapi import document
-from tandem.studio.pool import Failed
+from tandem.studio.pool import GRACE_S, Failed
 from tandem.studio.route import Handler, Route
 from tandem.studio.schemas import (
     ANYTHING,
@@ -203,7 +203,8 @@ async def stream(request: Request, session: Session) -> Response:
         finally:
             await events.aclose()
 
-    return EventSourceResponse(told(), ping=15)
+    # when the server ends, the stream is not cut off before its search has said what it found
+    return EventSourceResponse(told(), ping=15, shutdown_grace_period=GRACE_S + 1)
 
 
 def _value(text: str) -> Any:
