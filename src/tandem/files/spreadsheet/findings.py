@@ -21,6 +21,7 @@ from tandem.files.spreadsheet.values import (
     Number,
     UnreadableError,
     cannot,
+    duration,
     number,
     rounded,
     seconds,
@@ -129,6 +130,7 @@ class Findings:
         *,
         zero: bool = False,
         told: bool = False,
+        durations: bool = False,
     ) -> float | None:
         """Seconds; None when the cell says "cannot" or is a fault.
 
@@ -137,8 +139,12 @@ class Findings:
             number format.
           zero: lets 0 pass, for moments.
           told: the unit is told by `--map`, which counts more than a number format.
+          durations: reads "0:01:30", which as a moment might be a time of the day.
         """
         row = grid.origin(row, column)
+        length = duration(grid.rows[row][column]) if durations else None
+        if length is not None and (row, column) not in grid.odd:
+            return length or None
         words = "" if told else grid.words.get((row, column), "")
 
         def in_seconds(found: Number) -> tuple[Decimal, bool]:

@@ -30,6 +30,10 @@ WEIGHTS = {
     "ignore": 0.2,
 }
 TIMED = ("time", "release", "deadline")
+LISTS = ("after", "after rows", "before", "same operator")
+"""What a column of lists of tasks can mean."""
+NOBODYS = {*LISTS, "number", "task", "label", "part"}
+"""What a column means for the task alone, never for one of its operators."""
 TASK_WORDS = {
     *WEIGHTS,
     "part",
@@ -183,7 +187,7 @@ def _is_a_line(grid: Grid, row: int, header_row: int) -> bool:
 
 
 def _table(grid: Grid, row: int, above: int, read: Reader) -> Table:
-    headers = [_header(grid, row, above, column) for column in range(grid.width)]
+    headers = [_header(grid, row, above, column, read) for column in range(grid.width)]
     first, doubt = row + 1, ""
     below = _units_in(grid, first) if first < len(grid.rows) else {}
     if below:
@@ -232,11 +236,13 @@ def _with_unit(header: str, below: str | None, doubt: bool) -> str:
     return bare if doubt else f"{header} [{unit_named(below) or below}]"
 
 
-def _header(grid: Grid, row: int, above: int, column: int) -> str:
+def _header(grid: Grid, row: int, above: int, column: int, read: Reader) -> str:
     texts = [_text_at(grid, row, column)]
     if above:
         upper = _text_at(grid, row - 1, column)
-        if not upper and texts[0]:
+        own = read(texts[0], column) if texts[0] and not upper else None
+        # "Predecessors" is nobody's, whatever stands over the columns to its left
+        if not upper and texts[0] and (own is None or own.what not in NOBODYS):
             left = column
             # "Time [s]" stands over the first of its columns, merged or not
             while left > 0 and not upper:
@@ -330,15 +336,28 @@ def amounts_of(table: Table) -> Iterator[Value]:
 
 
 def _reconsidered(grid: Grid, table: Table, column: Column) -> Column:
-    """A column called "Robot" that holds names instead of numbers says who does the task, not how
-    long it takes.
+    """What a column holds says what its header leaves open: one called "Robot" that holds names
+    says who does the task, not how long it takes, and one called "Operator" that holds numbers
+    beside the times of others is one more operator's time.
     """
-    if column.meaning is None or column.meaning.sure:
+    if column.meaning is None or (column.meaning.sure and column.meaning.what != "operator"):
         return column
     values = [grid.rows[row][column.index] for row in range(table.first_row, len(grid.rows))]
+    if column.meaning.what == "operator":
+        others = any(other.meaning and other.meaning.who for other in table.having("time"))
+        held = [value for value in values if not blank(value)]
+        if others and held and all(map(_says_how_long_or_whether, held)):
+            return replace(column, meaning=Meaning("time", (column.header,), sure=False))
+        return column
     if all(says_able(value) is not None for value in values if not blank(value)):
         return column
     words = sum(1 for value in values if not cannot(value) and not is_number(value))
     if words * 2 > sum(1 for value in values if not blank(value)):
         return replace(column, meaning=None, why=say("why.texts"))
     return column
+
+
+def _says_how_long_or_whether(value: Value) -> bool:
+    """A number, with its unit perhaps, or a mark of who can do it; no name."""
+    begins = isinstance(value, str) and re.match(r"[\d.,]*\d", tidy(value)) is not None
+    return begins or is_number(value) or cannot(value) or says_able(value) is not None

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from typing import IO
 from xml.etree import ElementTree
 
-from tandem.files.spreadsheet.number_format import BUILT_IN, dress
+from tandem.files.spreadsheet.number_format import BUILT_IN, dress, shown_duration
 
 NO_RESULT = "holds a formula with no stored result: open and save it in Excel or LibreOffice"
 MOST_REPEATS = 2_000
@@ -31,11 +31,13 @@ class Sight:
 
     Attributes:
       words: of numbers -> what their format writes beside them, "min" or "%".
+      durations: of numbers that are shown to the second -> what is shown, "0:01:30".
       merged: areas `(top, left, bottom, right)`; of ods only.
     """
 
     odd: dict[tuple[int, int], str] = field(default_factory=dict)
     words: dict[tuple[int, int], str] = field(default_factory=dict)
+    durations: dict[tuple[int, int], str] = field(default_factory=dict)
     merged: list[tuple[int, int, int, int]] = field(default_factory=list)
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
@@ -183,6 +185,8 @@ def _dressed(cell: ElementTree.Element, code: str, row: int, column: int, sight:
         value = float(text)
     except ValueError:
         return
+    if (length := shown_duration(code, value)) is not None:
+        sight.durations[row, column] = length
     look = dress(code, value)
     if look.hidden or look.scaled:
         how = "hides" if look.hidden else "shows in thousands"

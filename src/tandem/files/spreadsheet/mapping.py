@@ -12,7 +12,7 @@ from difflib import get_close_matches
 from tandem.cell.names import Known, key
 from tandem.errors import UsageError
 from tandem.files.spreadsheet.abilities import settled_abilities
-from tandem.files.spreadsheet.findings import Findings
+from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import TASK_WORDS, Column, Table
 from tandem.files.spreadsheet.precedence import MATRIX, listed_headers
@@ -22,6 +22,7 @@ from tandem.files.spreadsheet.shape import refuse_values_beyond_the_header
 from tandem.files.spreadsheet.stated_units import say_units
 from tandem.files.spreadsheet.vocabulary import (
     Meaning,
+    bound_of,
     is_kind_word,
     kind_of,
     meaning,
@@ -67,6 +68,7 @@ def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
                 say("column.ignored", column=repr(column.header)),
                 column.place,
             )
+    _ask_which_time_is_meant(columns, findings)
     refuse_values_beyond_the_header(table, columns, rows, findings)
     say_units(table, columns, rows, findings)
     return replace(table, columns=tuple(columns))
@@ -249,6 +251,30 @@ def _who_takes_the_time(columns: list[Column], findings: Findings) -> list[Colum
         )
         for column in columns
     ]
+
+
+def _ask_which_time_is_meant(columns: list[Column], findings: Findings) -> None:
+    """The least and the most that somebody needs are no time to plan with, and to leave both out
+    would leave out who needs it.
+    """
+    planned = {
+        key(name)
+        for column in columns
+        if column.meaning and column.meaning.what == "time"
+        for name in column.meaning.who
+    }
+    bounds: dict[str, list[Column]] = {}
+    for column in columns:
+        if column.meaning is None and (name := bound_of(column.header)):
+            bounds.setdefault(name, []).append(column)
+    for name, several in bounds.items():
+        if key(name) not in planned:
+            findings.fault(
+                f"{listed(repr(column.header) for column in several)}: which time of {name!r} is"
+                f' the plan to count on? Say it with --map "{several[0].header}=time {name} [s]"'
+                " (=ignore leaves a column out).",
+                several[0].place,
+            )
 
 
 def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column]:

@@ -9,9 +9,9 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-BUILT_IN = {9: "0%", 10: "0.00%"}
-"""Formats that a workbook names by number alone and that write something around the number
-(ECMA-376, part 1, 18.8.30).
+BUILT_IN = {9: "0%", 10: "0.00%", 21: "h:mm:ss", 45: "mm:ss", 46: "[h]:mm:ss", 47: "mm:ss.0"}
+"""Formats that a workbook names by number alone and that write something around the number, or show
+a duration to the second (ECMA-376, part 1, 18.8.30).
 """
 
 TOKEN = re.compile(
@@ -72,6 +72,20 @@ def dress(code: str, value: float) -> Dress:
     return Dress(
         " ".join("".join(words).split()).strip("()[]+-–−./ "), not digits and value != 0, scaled
     )
+
+
+def shown_duration(code: str, value: float) -> str | None:
+    """Days as the text that a format shows of them, "0:01:30", where it shows minutes and seconds
+    and no date, nor the half of a day; None for every other format.
+    """
+    section = [token for token in TOKEN.finditer(_section(code, value)) if not token["quoted"]]
+    clock = "".join((token["other"] or token["bracket"] or "").casefold() for token in section)
+    if value < 0 or not {"m", "s"} <= set(clock) or set(clock) & set("ydap"):
+        return None
+    whole, milliseconds = divmod(round(value * 86_400_000), 1000)
+    minutes, rest = divmod(whole, 60)
+    text = f"{minutes // 60}:{minutes % 60:02}:{rest:02}"
+    return f"{text}.{milliseconds:03}" if milliseconds else text
 
 
 def _section(code: str, value: float) -> str:

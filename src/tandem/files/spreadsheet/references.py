@@ -63,6 +63,7 @@ class References:
       counted: the names are counts that the sheet does not show, so that numbers may as well be
         rows.
       said: how numbers were understood, for the notes; None when they simply are names.
+      unread: value -> the sentence that says in which column that is not read it stands.
     """
 
     names: Sequence[str]
@@ -71,6 +72,7 @@ class References:
     counted: bool = False
     by_row: dict[str, str] = field(default_factory=dict)
     said: Said | None = None
+    unread: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._exact = set(self.names)
@@ -207,8 +209,8 @@ class References:
             try:
                 self._part(part)
             except UnknownTaskError as error:
-                complaints.append(str(error))
-        raise UnknownTaskError("; ".join(complaints))
+                complaints.append(str(error).removesuffix("."))
+        raise UnknownTaskError("; ".join(complaints) + ".")
 
     def _part(self, part: str) -> list[str]:
         if (name := self.task(part) or self._dotted.get(part)) is not None:
@@ -230,7 +232,8 @@ class References:
         span = re.fullmatch(r"(.+?)\s*(?:-|–|\.\.|\bbis\b|\bto\b)\s*(.+)", part)
         if span and (between := self._between(span[1], span[2])) is not None:
             return between
-        raise UnknownTaskError(f"holds {part!r}, which is no task. {self._known.hint(part)}")
+        hint = self.unread.get(part) or self._known.hint(part)
+        raise UnknownTaskError(f"holds {part!r}, which is no task. {hint}")
 
     def _between(self, first: str, last: str) -> list[str] | None:
         """ "2-4" as 2, 3, 4: both ends are tasks, and the numbers rise."""

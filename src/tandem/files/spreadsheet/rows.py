@@ -76,9 +76,26 @@ def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> Said
     _, left, _, right = grid.spread_of(row, filled[0][0])
     if right > left:
         return say("why.heading", text=repr(texts[0]))
+    if _is_named_by_halves(table, filled[0][0]):
+        return say("why.section", text=repr(texts[0]))
     if below_all:
         return say("why.alone", text=repr(texts[0]))
     return None
+
+
+def _is_named_by_halves(table: Table, column: int) -> bool:
+    """The column is one of a number and a name that every task with a time has both of: a text that
+    stands there alone heads the tasks below it.
+    """
+    grid = table.grid
+    naming = [c.index for c in (*table.having("number"), *table.having("task", "label")[:1])]
+    timed = [row for row in range(table.first_row, len(grid.rows)) if _has_a_time(table, row)]
+    return (
+        len(naming) == 2
+        and column in naming
+        and len(timed) > 1
+        and not any(blank(grid.value(row, index)) for row in timed for index in naming)
+    )
 
 
 def _is_called_a_total(table: Table, row: int, before: list[int]) -> bool:

@@ -12,7 +12,7 @@ from tandem.files.spreadsheet.grid import blank, letters
 from tandem.files.spreadsheet.header import TIMED, Column, Table
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.units import unclear_unit
-from tandem.files.spreadsheet.values import cannot, is_number, unit_named, written
+from tandem.files.spreadsheet.values import cannot, duration, is_number, unit_named, written
 from tandem.files.spreadsheet.vocabulary import PER_PIECE, QUOTES, split_unit
 
 UNIT_COLUMN = re.compile(
@@ -127,7 +127,9 @@ def _units_of_cells(table: Table, column: Column, rows: list[int]) -> dict[int, 
             if told
             else table.grid.words.get((table.grid.origin(row, column.index), column.index), "")
         )
-        if unit := (typed.unit if typed else None) or unit_named(shown_with):
+        if duration(value):
+            found[row] = "h:mm:ss"
+        elif unit := (typed.unit if typed else None) or unit_named(shown_with):
             found[row] = unit
     return found
 

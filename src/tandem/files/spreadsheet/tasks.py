@@ -12,7 +12,7 @@ from typing import Any
 from tandem.cell.stated import SIDED
 from tandem.files.spreadsheet.findings import AS_FRACTION, AS_SHOWN, Findings, Percent
 from tandem.files.spreadsheet.grid import Grid, Value, shown
-from tandem.files.spreadsheet.header import Column, Table
+from tandem.files.spreadsheet.header import LISTS, Column, Table
 from tandem.files.spreadsheet.joint import WhoError, people_in, ways
 from tandem.files.spreadsheet.merged import say_what_is_merged
 from tandem.files.spreadsheet.outline import (
@@ -40,7 +40,6 @@ from tandem.files.spreadsheet.waits import read_waits
 TEXTS = ("part", "tool", "zone", "place")
 STAND_IN = 1.0
 """A time to check a task with when its own is a fault; it never leaves this room."""
-LISTS = ("after", "after rows", "before", "same operator")
 
 
 @dataclass
@@ -243,8 +242,15 @@ def _time(
     faults.
     """
     told = column.meaning is not None and column.meaning.told and column.meaning.unit is not None
+    durations = column.meaning is not None and column.meaning.what == "time"
     time = findings.time(
-        table.grid, row, column.index, unit_of(table, column), zero=zero, told=told
+        table.grid,
+        row,
+        column.index,
+        unit_of(table, column),
+        zero=zero,
+        told=told,
+        durations=durations,
     )
     if (
         time is None
@@ -720,11 +726,12 @@ def _lists(
         table, [Row(entry.name, entry.rows[0], entry.quoted) for entry in entries]
     )
     known = {**labels, **{code: name for name, code in codes.items()}}
+    unread = _unread_numbers(table, entries)
     links: list[Link] = []
     already = len(findings.faults)
     for column in table.having(*LISTS):
         what = column.meaning.what if column.meaning else ""
-        references = References(names, known, rows, counted)
+        references = References(names, known, rows, counted, unread=unread)
         references.agree_on_numbers(
             [table.grid.value(row, column.index) for entry in entries for row in entry.rows],
             what == "after rows",
@@ -763,6 +770,22 @@ def _lists(
             findings.places["tasks", link.later, "after", len(after)] = link.place
             findings.places.setdefault(("tasks", link.later, "after"), link.place)
             after.append(link.first)
+
+
+def _unread_numbers(table: Table, entries: list[Entry]) -> dict[str, str]:
+    """Value -> where it stands, for a column that names every task in words of its own and that
+    nobody took for their numbers: a list that names no task may well mean those.
+    """
+    for column in table.columns:
+        values = [shown(table.grid.value(entry.rows[0], column.index)) for entry in entries]
+        if column.meaning is None and column.header and all(values):
+            if len(set(values)) == len(entries):
+                where = (
+                    f"It stands in column {column.letter}, {column.header!r}, which was not read"
+                )
+                remedy = f"if that numbers the tasks, say so: --map '{column.header}=number'."
+                return dict.fromkeys(values, f"{where}; {remedy}")
+    return {}
 
 
 def _waits(

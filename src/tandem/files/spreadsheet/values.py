@@ -100,8 +100,10 @@ def cannot(value: Value) -> bool:
     if not isinstance(value, str):
         return False
     zero = re.fullmatch(r"0+(?:[.,]0*)?\s*(.*)", tidy(value))
-    return tidy(value).casefold() in CANNOT or (
-        zero is not None and (not zero[1] or unit_named(zero[1]) is not None)
+    return (
+        tidy(value).casefold() in CANNOT
+        or duration(value) == 0
+        or (zero is not None and (not zero[1] or unit_named(zero[1]) is not None))
     )
 
 
@@ -267,7 +269,10 @@ def number(value: Value, marks: Marks = NO_MARKS) -> Number:
     if isinstance(value, bool):
         raise UnreadableError(f"holds {shown(value)} where a number is expected")
     if isinstance(value, datetime.time | datetime.timedelta):
-        way_out = "format the cell as a number and type the duration anew"
+        way_out = (
+            "let its number format show hours, minutes and seconds, h:mm:ss, if it is a duration;"
+            " else type a number"
+        )
         raise UnreadableError(
             f"holds the clock time {value} where a plain number is expected: {way_out}"
         )
@@ -289,10 +294,25 @@ def number(value: Value, marks: Marks = NO_MARKS) -> Number:
     return found
 
 
+DURATION = re.compile(r"(\d{1,3}):([0-5]\d):([0-5]\d)(?:[.,](\d{1,3}))?")
+"""Hours, minutes and seconds, all three: "0:12" may be either two of them."""
+
+
+def duration(value: Value) -> float | None:
+    """The seconds of a text such as "0:01:30"; None when it is no such text."""
+    found = DURATION.fullmatch(tidy(value)) if isinstance(value, str) else None
+    if found is None:
+        return None
+    whole = 3600 * int(found[1]) + 60 * int(found[2]) + int(found[3])
+    return float(f"{whole}.{found[4] or 0}")
+
+
 def is_number(value: Value) -> bool:
-    """A number, or a text that is one and nothing else."""
+    """A number or a duration, or a text that is one and nothing else."""
     return not isinstance(value, bool) and (
-        isinstance(value, int | float) or (isinstance(value, str) and written(value) is not None)
+        isinstance(value, int | float)
+        or (isinstance(value, str) and written(value) is not None)
+        or duration(value) is not None
     )
 
 
@@ -300,7 +320,7 @@ def _text_number(text: str, marks: Marks) -> Number:
     found = written(text)
     if found is None:
         hint = (
-            "type the duration in one unit"
+            "type the duration in one unit, or with hours, minutes and seconds, such as 0:01:30"
             if re.fullmatch(r"\d+:\d+(:\d+)?", tidy(text))
             else "write one number"
         )

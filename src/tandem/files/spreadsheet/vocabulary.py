@@ -49,7 +49,7 @@ FILLERS = frozenset(VOCABULARY["fillers"])
 
 MEASURES: dict[str, str] = {
     "time": (
-        r"t|te|times?|zeit(en)?|dauer|durations?|"
+        r"t|te|tg|times?|zeit(en)?|dauer|durations?|"
         r"(vorgabe|soll|bearbeitungs|ausfuehrungs|prozess|montage|stueck|grund|standard|fertigungs)zeit(en)?"
     ),
     "stress": (
@@ -72,11 +72,19 @@ NO_OPERATOR = re.compile(
 )
 """Kinds of time that no single operator spends on the task: such columns are listed as not read."""
 
+BOUNDS = re.compile(
+    r"min|minimum|minimal|max|maximum|maximal|mean|avg|average|mittel|mittelwert|durchschnitt|typ"
+)
+"""Words for one of several times that a task may take."""
+
 PER_PIECE = re.compile(
     r"\s*(?:/|\b(?:je|pro|per)\b)\s*(?:stück|stueck|stk|piece|pieces|pcs?|unit|einheit|teil|part)\b\.?",
     re.IGNORECASE,
 )
 """Words that make a time that of one piece: "Zeit/Stück", "[s/pc]"."""
+
+PLURAL = re.compile(r"\w\(s\)", re.IGNORECASE)
+"""One or several: "Operator(s)"."""
 
 ABOUT_LINKS = re.compile(
     r"\b(anzahl|zahl|count|number of|no of|num|wie viele|how"
@@ -192,9 +200,12 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
     if pieces:
         found = meaning(_with_quotes(text, quoted), known)
         return replace(found, per_piece=True) if found and found.what == "time" else None
+    several = PLURAL.search(text)
     text, unit = split_unit(text)
     if text and (what := MEANS.get(key(text)) or _stem(key(text))):
-        return Meaning(what, unit=unit)
+        # "Operator [s]" holds seconds, however an operator is called; "Operator(s)" holds names
+        of_one = what == "operator" and unit is not None and not several
+        return Meaning("time", (text,), unit=unit) if of_one else Meaning(what, unit=unit)
     measures, rest = _measures(text)
     who, human = _who(rest, quoted, known)
     if "changeover" in measures and (
@@ -202,6 +213,8 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
     ):
         return Meaning("changeover", who, unit=unit)
     if any(NO_OPERATOR.fullmatch(word) for name in rest for word in key(name).split()):
+        return None
+    if unit and bound_of(header):  # beside a unit, "min" is the least
         return None
     if len(measures) == 1:
         what = measures.pop()
@@ -219,6 +232,19 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
             "time", who, unit=unit, sure=bool(unit) or all(name in known for name in who)
         )
     return None
+
+
+def bound_of(header: str) -> str:
+    """Whose time the header gives the least, the most or the mean of: "Human min [s]" -> "Human";
+    "" where it does no such thing.
+    """
+    text, unit = split_unit(clean(header))
+    measures, rest = _measures(text)
+    names = [word for word in rest if not BOUNDS.fullmatch(key(word))]
+    if len(names) == len(rest) or not measures <= {"time"} or (unit is None and not measures):
+        return ""
+    told = any(NO_OPERATOR.fullmatch(word) for name in names for word in key(name).split())
+    return "" if told else " ".join(names)
 
 
 OWN_TOOL = re.compile(

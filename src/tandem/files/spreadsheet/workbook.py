@@ -167,6 +167,9 @@ def _grid(
     height = max([len(rows), *(row + 1 for row, _ in sight.odd)])
     width = max([*(len(row) for row in rows), *(column + 1 for _, column in sight.odd)], default=0)
     full = [[*row, *[""] * (width - len(row))] for row in [*rows, *([[]] * (height - len(rows)))]]
+    for (row, column), length in sight.durations.items():
+        if row < height and column < width:
+            full[row][column] = length
     return Grid(
         name,
         tuple(map(tuple, full)),
