@@ -7,10 +7,10 @@ from pathlib import Path
 
 import openpyxl
 import pytest
+from tests.files.spreadsheet.books import sheet
 
 from tandem.errors import CellError
 from tandem.files.spreadsheet import import_cell
-from tests.files.spreadsheet.books import sheet
 
 
 @pytest.mark.parametrize("column", ["t human [s]", "Stress", "Release [s]", "Deadline [s]"])

@@ -778,13 +778,11 @@ def _unread_numbers(table: Table, entries: list[Entry]) -> dict[str, str]:
     """
     for column in table.columns:
         values = [shown(table.grid.value(entry.rows[0], column.index)) for entry in entries]
-        if column.meaning is None and column.header and all(values):
-            if len(set(values)) == len(entries):
-                where = (
-                    f"It stands in column {column.letter}, {column.header!r}, which was not read"
-                )
-                remedy = f"if that numbers the tasks, say so: --map '{column.header}=number'."
-                return dict.fromkeys(values, f"{where}; {remedy}")
+        own = len(set(values)) == len(entries) and all(values)
+        if own and column.meaning is None and column.header:
+            where = f"It stands in column {column.letter}, {column.header!r}, which was not read"
+            remedy = f"if that numbers the tasks, say so: --map '{column.header}=number'."
+            return dict.fromkeys(values, f"{where}; {remedy}")
     return {}
 
 
