@@ -235,8 +235,8 @@ def test_one_number_is_read_as_it_is_written(text: str, expected: float, tmp_pat
     [
         datetime.datetime(2024, 2, 1),
         datetime.date(2024, 2, 1),
-        datetime.time(0, 1, 30),
-        datetime.timedelta(seconds=90),
+        datetime.time(1, 30),
+        datetime.timedelta(minutes=90),
         True,
         float(10**13),
     ],

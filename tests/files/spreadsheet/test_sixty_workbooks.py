@@ -74,7 +74,7 @@ ENGLISH = [
     Ugly(
         "Hours, minutes and seconds as a duration.",
         [EN, ["a", datetime.timedelta(seconds=90), 20]],
-        refused="Plan!B2: holds the clock time 0:01:30",
+        {"a": {"human": 90, "robot": 20}},
     ),
     Ugly(
         "Minutes and seconds with a colon.",
@@ -361,8 +361,8 @@ GERMAN = [
     ),
     Ugly(
         "Uhrzeit statt Dauer.",
-        [DE, ["a", datetime.time(0, 1, 30), 20]],
-        refused="Plan!B2: holds the clock time 00:01:30",
+        [DE, ["a", datetime.time(1, 30), 20]],
+        refused="Plan!B2: holds the clock time 01:30:00",
     ),
     Ugly(
         "Negativ und in Klammern.",

@@ -76,15 +76,14 @@ def dress(code: str, value: float) -> Dress:
 
 def shown_duration(code: str, value: float) -> str | None:
     """Days as the text that a format shows of them, "0:01:30", where it shows minutes and seconds
-    and no date, nor the half of a day; None for every other format.
+    and no date, nor the half of a day; None for every other format, and from an hour on.
     """
     section = [token for token in TOKEN.finditer(_section(code, value)) if not token["quoted"]]
     clock = "".join((token["other"] or token["bracket"] or "").casefold() for token in section)
-    if value < 0 or not {"m", "s"} <= set(clock) or set(clock) & set("ydap"):
+    if not 0 <= value * 24 < 1 or not {"m", "s"} <= set(clock) or set(clock) & set("ydap"):
         return None
     whole, milliseconds = divmod(round(value * 86_400_000), 1000)
-    minutes, rest = divmod(whole, 60)
-    text = f"{minutes // 60}:{minutes % 60:02}:{rest:02}"
+    text = f"0:{whole // 60:02}:{whole % 60:02}"
     return f"{text}.{milliseconds:03}" if milliseconds else text
 
 

@@ -270,8 +270,8 @@ def number(value: Value, marks: Marks = NO_MARKS) -> Number:
         raise UnreadableError(f"holds {shown(value)} where a number is expected")
     if isinstance(value, datetime.time | datetime.timedelta):
         way_out = (
-            "let its number format show hours, minutes and seconds, h:mm:ss, if it is a duration;"
-            " else type a number"
+            "format the cell as a number and type the duration anew (of a task, up to an hour, it"
+            " may be shown as h:mm:ss)"
         )
         raise UnreadableError(
             f"holds the clock time {value} where a plain number is expected: {way_out}"
@@ -294,8 +294,10 @@ def number(value: Value, marks: Marks = NO_MARKS) -> Number:
     return found
 
 
-DURATION = re.compile(r"(\d{1,3}):([0-5]\d):([0-5]\d)(?:[.,](\d{1,3}))?")
-"""Hours, minutes and seconds, all three: "0:12" may be either two of them."""
+DURATION = re.compile(r"0{1,2}:([0-5]\d):([0-5]\d)(?:[.,](\d{1,3}))?")
+"""Hours, minutes and seconds, all three: "0:12" may be either two of them, and who meant minutes
+and seconds finds "12:30:00".
+"""
 
 
 def duration(value: Value) -> float | None:
@@ -303,8 +305,7 @@ def duration(value: Value) -> float | None:
     found = DURATION.fullmatch(tidy(value)) if isinstance(value, str) else None
     if found is None:
         return None
-    whole = 3600 * int(found[1]) + 60 * int(found[2]) + int(found[3])
-    return float(f"{whole}.{found[4] or 0}")
+    return float(f"{60 * int(found[1]) + int(found[2])}.{found[3] or 0}")
 
 
 def is_number(value: Value) -> bool:
@@ -320,7 +321,7 @@ def _text_number(text: str, marks: Marks) -> Number:
     found = written(text)
     if found is None:
         hint = (
-            "type the duration in one unit, or with hours, minutes and seconds, such as 0:01:30"
+            "type the duration in one unit"
             if re.fullmatch(r"\d+:\d+(:\d+)?", tidy(text))
             else "write one number"
         )
