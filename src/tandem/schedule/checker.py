@@ -430,7 +430,7 @@ def limits_of_a_person_are_kept(judged: Judged) -> Iterator[str]:
 
 def _short(number: Decimal) -> str:
     """Six digits: damage has many more."""
-    return f"{number:.6g}"
+    return f"{float(number):.6g}"
 
 
 def pairs_have_the_same_operators(judged: Judged) -> Iterator[str]:

@@ -363,16 +363,16 @@ def _limits(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 
 def _over(situation: Situation, limit: Limit, task: str, way: Mode, others: Decimal) -> str:
     """Why the limit keeps the person from the task; `others` is taken or to be taken besides."""
-    who, measure, most = limit.who, limit.measure, f"{limit.most:g}"
+    who, measure, most = limit.who, limit.measure, f"{float(limit.most):g}"
     cell = situation.cell
     if measure.what == "peak":
         value = costs(cell, measure, task, way).get(who or "", Decimal(0))
         if value > limit.most:
-            return f"{who!r} would have {value:g} of {measure.name}, the limit is {most}"
+            return f"{who!r} would have {float(value):g} of {measure.name}, the limit is {most}"
         return f"{who!r} cannot keep the limit of {most} on {measure.name} in what is left"
     total = others + limit.due(cell, task, way).get(who or "", Decimal(0))
     return (
-        f"{who!r} would come to {total:.6g} of {measure.name} with what is left, the limit is"
+        f"{who!r} would come to {float(total):.6g} of {measure.name} with what is left, the limit is"
         f" {most}"
     )
 
