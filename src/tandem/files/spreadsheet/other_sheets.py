@@ -278,12 +278,12 @@ def _pairs(text: str, place: str, findings: Findings) -> list[list[str]]:
 def _limits(text: str, who: str, place: str, findings: Findings) -> dict[str, float]:
     """ "peak:reba = 7; dose:lifft = 0.02" as measures and the most of each."""
     found: dict[str, float] = {}
-    for part in filter(None, map(str.strip, re.split(r"[;\n]", text))):
+    for part in filter(None, map(str.strip, text.split(";"))):
         name, _, most = (piece.strip() for piece in part.rpartition("="))
         try:
             if not name or name in found:
                 raise UnreadableError(f"holds {part!r}")
-            found[name] = float(number(most, findings.marks))
+            found[name] = float(number(most, findings.marks).value)
         except UnreadableError:
             findings.fault(
                 f"holds {part!r}: write limits as measure = most, each measure once, several with"
