@@ -184,16 +184,17 @@ class Plain:
         who = {step.name: set(step.way.who) for step in done}
         if any(a in who and b in who and who[a] != who[b] for a, b in self.pairs):
             return False
-        if any(not self._keeps_limit(done, *limit) for limit in self.limits):
+        if any(not self.keeps_limit(done, *limit) for limit in self.limits):
             return False
         return all(
             sum(step.way.strain.get(name, 0) for step in done) <= limit
             for name, limit in self.limit.items()
         )
 
-    def _keeps_limit(
+    def keeps_limit(
         self, done: tuple[Step, ...], who: str, what: str, scale: str, *rest: Any
     ) -> bool:
+        """Whether what is done so far keeps one of `limits`."""
         *level, most = rest
         values = [
             (self._puts_on(step, who, scale), Fraction(step.way.time, MILLION))
