@@ -149,7 +149,8 @@ def combined(products: Sequence[Cell], *, one_allocation: bool = False) -> Cell:
             operator["stress_limit"] *= len(products)
         for name in operator.get("limits", ()):
             if adds_up(name):
-                operator["limits"][name] *= len(products)
+                # without the dust that multiplying floats leaves
+                operator["limits"][name] = round(operator["limits"][name] * len(products), 6)
     document.pop("stress_of_set", None)
     document.pop("variants", None)
     return Cell.model_validate(document)

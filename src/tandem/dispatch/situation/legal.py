@@ -372,8 +372,8 @@ def _over(situation: Situation, limit: Limit, task: str, way: Mode, others: Deci
         return f"{who!r} cannot keep the limit of {most} on {measure.name} in what is left"
     total = others + limit.due(cell, task, way).get(who or "", Decimal(0))
     return (
-        f"{who!r} would come to {float(total):.6g} of {measure.name} with what is left, the limit is"
-        f" {most}"
+        f"{who!r} would come to {float(total):.6g} of {measure.name} with what is left, the limit"
+        f" is {most}"
     )
 
 
