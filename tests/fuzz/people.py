@@ -239,6 +239,34 @@ def _doers(cell: Cell, schedule: Any) -> list[str]:
     return [by_task[task] for task in cell.tasks]
 
 
+HEAD = (
+    "of 100 unlimited random shifts keep the limit",
+    "quickest plan exceeds it",
+    "plans pay",
+    "pay nothing",
+    "no plan keeps it",
+    "random shifts pay",
+    "come to a stop",
+)
+
+
+def table(found: dict[str, Any]) -> str:
+    """What was found as the docs show it: a row for each share, in per cent."""
+    lines = [f"| {' | '.join(HEAD)} |", "|---:" * len(HEAD) + "|"]
+    for share in map(str, SHARES):
+        unkept = 100 * found["limits_no_plan_keeps"][share] / found["limits_asked"][share]
+        row = [
+            found["quickest_plan_would_exceed_percent"][share],
+            found["paid_by_plans_percent"][share],
+            found["plans_that_pay_nothing_percent"][share],
+            unkept,
+            found["paid_by_random_shifts_percent"][share],
+            found["random_shifts_left_unfinished_percent"][share],
+        ]
+        lines.append(f"| {share} | {' | '.join(f'{value:.1f} %' for value in row)} |")
+    return "\n".join(lines)
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="dev.py fuzz people", description=(__doc__ or "").splitlines()[0]
@@ -249,7 +277,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1, help="seed of the first cell (1)")
     parser.add_argument("--minutes", type=float, default=600.0, help="stop after so many minutes")
     parser.add_argument("--out", type=Path, help="write the summary to this file as well")
+    parser.add_argument("--show", type=Path, help="print the table of such a file, and run nothing")
     asked = parser.parse_args(arguments)
+    if asked.show:
+        print(table(json.loads(asked.show.read_text(encoding="utf-8"))))
+        return 0
     until, tally, cells = time.monotonic() + 60 * asked.minutes, Tally(), 0
     for seed in range(asked.seed, asked.seed + asked.cells):
         if time.monotonic() > until:
