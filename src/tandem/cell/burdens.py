@@ -6,20 +6,30 @@ operator names some of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from difflib import get_close_matches
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from tandem.cell import assessed
 from tandem.cell.exposures import exposures, kind
 from tandem.errors import Fault, UsageError
 
 if TYPE_CHECKING:
-    from tandem.cell.model import Cell
     from tandem.cell.parts import Fields, Mode, Operator
+
+
+class Assessed(Protocol):
+    """What is asked of a cell here; see `Cell`."""
+
+    @property
+    def exposures(self) -> Mapping[str, Mapping[tuple[str, str], Decimal]]: ...
+
+    @property
+    def stress_of_set(self) -> Mapping[str, float] | None: ...
+
 
 NUMBERS = {
     "sum": 0,
@@ -68,7 +78,7 @@ class Measure:
         return self.of_worst or self.what in ("peak", "fatigue")
 
 
-def named(name: str, cell: Cell) -> Measure:
+def named(name: str, cell: Assessed) -> Measure:
     """The measure of this name for the cell. Raises UsageError when there is none, or the cell has
     nothing on its scale.
     """
@@ -131,12 +141,12 @@ def number_in(name: str, text: str) -> Decimal:
     return number
 
 
-def scales(cell: Cell) -> list[str]:
+def scales(cell: Assessed) -> list[str]:
     """The scales on which some task of the cell has a value; the cell's own stress is the first."""
     return [OWN, *cell.exposures]
 
 
-def worth(cell: Cell, scale: str, task: str, mode: Mode) -> dict[str, Decimal]:
+def worth(cell: Assessed, scale: str, task: str, mode: Mode) -> dict[str, Decimal]:
     """Human -> what one execution of the task in this mode is on the scale; who has no value there
     is left out.
     """
@@ -146,7 +156,7 @@ def worth(cell: Cell, scale: str, task: str, mode: Mode) -> dict[str, Decimal]:
     return {who: stated[task, who] for who in mode.stress if (task, who) in stated}
 
 
-def costs(cell: Cell, measure: Measure, task: str, mode: Mode) -> dict[str, Decimal]:
+def costs(cell: Assessed, measure: Measure, task: str, mode: Mode) -> dict[str, Decimal]:
     """Human -> what the task in this mode adds to the measure of a cycle, or of `peak` what it is.
 
     Of `time-weighted` it is value x seconds, of `fatigue` RISE x value x minutes: the exponent of

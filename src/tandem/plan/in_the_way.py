@@ -141,9 +141,9 @@ def _liftable(standing: Standing) -> Iterator[tuple[Limit, Lift]]:
             yield Limit(words, wait), partial(_without_wait, place)
     of_people = {limit.where: limit for limit in on_people(standing.cell)}
     for place, allowance in enumerate(stated.allowances):
-        where = ("operators", stated.operators[allowance.operator])
+        whose = ("operators", stated.operators[allowance.operator])
         key = ("stress_limit",) if allowance.measure == OWN else ("limits", allowance.measure)
-        yield of_people[(*where, *key)], partial(_without_allowance, place)
+        yield of_people[(*whose, *key)], partial(_without_allowance, place)
 
 
 def _without_deadline(task: int, standing: Standing) -> Standing:
