@@ -14,12 +14,13 @@ import argparse
 import sys
 from pathlib import Path
 
+from tandem.cell.burdens import named, scales
 from tandem.cell.model import Cell
 from tandem.draw.axes import draw_axes
 from tandem.draw.saving import save
 from tandem.files.load import load
 from tandem.plan.axes import AxesFront, plan_axes
-from tandem.schedule.exposure import named, scales, value
+from tandem.schedule.exposure import value
 
 OWN = (
     "stress",

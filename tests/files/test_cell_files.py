@@ -23,6 +23,7 @@ from tandem.files.yaml_reader import scalar
 EXAMPLES = [
     *sorted(Path(__file__).parents[2].glob("examples/*.yaml")),
     Path(__file__).parents[2] / "examples/ergonomics/thesis-with-facts.yaml",
+    Path(__file__).parents[2] / "examples/ergonomics/limits.yaml",
 ]
 
 

@@ -19,6 +19,7 @@ from tandem.files.schema import SHIPPED, schema, schema_text
 EXAMPLES = [
     *sorted(Path(__file__).parents[2].glob("examples/*.yaml")),
     Path(__file__).parents[2] / "examples/ergonomics/thesis-with-facts.yaml",
+    Path(__file__).parents[2] / "examples/ergonomics/limits.yaml",
 ]
 VALIDATOR = Draft202012Validator(schema())
 

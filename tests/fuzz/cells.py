@@ -5,7 +5,7 @@ Deadlines and releases stand in half of them each, since they are what methods g
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import combinations
 from random import Random
 from typing import Any
@@ -56,6 +56,7 @@ def cell(random: Random, sizes: Mapping[int, int] = SMALL, crews: Mapping[int, i
     _own_tools(random, data)
     _places(random, clock, data)
     _machines_and_zones_apart(data)
+    _limits(data)
     return data
 
 
@@ -116,6 +117,74 @@ def _machines_and_zones_apart(data: Data) -> None:
         if random.random() < 0.35:
             zone["apart"] = random.sample(KINDS, random.choice((2, 2, 3)))
             zone["capacity"] = random.choice((1, 2, 3))
+
+
+def _limits(data: Data) -> None:
+    """In one cell of four tasks are assessed, and people have limits on that. Drawn from the cell
+    itself, so that all else of a seed stays what it was.
+    """
+    random = Random(f"limits {data!r}")
+    people = [name for name, entry in data["operators"].items() if entry["kind"] == "human"]
+    if not people or random.random() >= 0.25:
+        return
+    for task in data["tasks"].values():
+        doers = {
+            *task["time"],
+            *(who for way in task.get("together", ()) for who in way["operators"]),
+        }
+        able = [who for who in people if who in doers]
+        if able and random.random() < 0.85:
+            task["ergonomics"] = [*_assessed(random), *_of_one(random, able)]
+    names = _names_of_limits(data)
+    for name in people:
+        if names and random.random() < 0.8:
+            few = random.sample(list(names), min(len(names), random.choice((1, 1, 2, 3))))
+            data["operators"][name]["limits"] = {one: names[one](random) for one in few}
+    data["cycles_per_shift"] = random.choice((1, 7, 420.5))
+
+
+def _assessed(random: Random) -> list[Data]:
+    rows: list[Data] = [{"method": "reba", "score": random.randint(1, 12)}]
+    if random.random() < 0.5:
+        rows += [{"method": "lifft", "score": random.randint(0, 90) / 1e5} for _ in range(2)]
+    if random.random() < 0.5:
+        hands = random.sample(("left", "right", "both"), random.choice((1, 2)))
+        rows += [
+            {"method": "duet", "score": random.randint(1, 90) / 1e7, "side": hand} for hand in hands
+        ]
+    return rows
+
+
+def _of_one(random: Random, able: list[str]) -> list[Data]:
+    """People differ: somebody may have an assessment of their own."""
+    if random.random() >= 0.3:
+        return []
+    who = random.sample(able, 1)
+    return [{"method": "reba", "score": random.randint(1, 12), "operators": who}]
+
+
+def _names_of_limits(data: Data) -> dict[str, Callable[[Random], float]]:
+    """Limits that the cell can have -> how much is drawn of each."""
+    rows = [row for task in data["tasks"].values() for row in task.get("ergonomics", ())]
+    scales = {row["method"] for row in rows}
+    sided = {row.get("side") for row in rows} & {"left", "right"}
+    longest = max(time for task in data["tasks"].values() for time in (*task["time"].values(), 0.1))
+    found: dict[str, Callable[[Random], float]] = {}
+    if "reba" in scales:
+        found["peak:reba"] = lambda random: random.randint(2, 12)
+        found["time-above:reba:6"] = lambda random: round(longest * random.uniform(0, 3), 6)
+        found["time-above:reba:9.5"] = lambda random: random.choice((0, longest))
+    if "lifft" in scales:
+        found["dose:lifft"] = lambda random: round(random.uniform(0, 0.002) * 7, 6)
+    if "duet" in scales:
+        found["dose:duet"] = lambda random: round(random.uniform(0, 2e-5) * 420.5, 6)
+    if sided:
+        found["dose:duet-left"] = lambda random: round(random.uniform(0, 2e-5) * 420.5, 6)
+    if "stress_of_set" not in data:
+        found["peak:stress"] = lambda random: random.choice((0, 2.5, 4, 6))
+        found["time-above:stress:3"] = lambda random: round(longest * random.uniform(0, 3), 6)
+        found["dose:stress"] = lambda random: random.choice((0, 5, 9, 60, 2000))
+    return found
 
 
 def _chains(tasks: Data) -> list[tuple[str, str]]:

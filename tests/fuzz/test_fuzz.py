@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from tests.fuzz import judges, limits
+from tests.fuzz import judges, limits, people
 from tests.fuzz.cells import cell as random_cell
 from tests.plan.brute_force import front_in_order, front_of_all, worth
 from tests.schedule.cells import thesis, thesis_schedule
@@ -209,3 +209,31 @@ def test_properties_are_drawn_anew_and_what_refutes_one_is_kept(tmp_path):
 def test_no_plan_exceeds_a_limit(capsys):
     assert limits.main(["--cells", "8"]) == 0
     assert ": 0 exceed it;" in capsys.readouterr().out
+
+
+def test_no_shift_and_no_plan_exceeds_a_limit_of_a_person(capsys):
+    assert people.main(["--cells", "1", "--tasks", "4", "--shifts", "20"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["random_shifts"] == 100
+    assert found["plans"] >= 5
+    assert found["violations"] == 0
+
+
+def test_a_formula_from_plain_data_says_who_exceeds_what():
+    data = people.drawn(Random(1), 4)
+    rows = list(data["tasks"].values())
+    alone = [["anna"] * 4, ["robot"] * 4, ["anna", "ben", "ben", "robot"]]
+    for kind in people.KINDS:
+        of_each = {who: [people.taken(row, who, kind) for row in rows] for who in people.PEOPLE}
+        both = max if kind == "peak:reba" else sum
+        mixed = max(of_each["anna"][0], both(of_each["ben"][1:3]))
+        assert people.worst(data, alone, kind).tolist() == [both(of_each["anna"]), 0, mixed]
+
+
+def test_the_docs_say_what_limits_cost():
+    found = json.loads(Path("benchmarks/results/people_limits.json").read_text(encoding="utf-8"))
+    page = Path("docs/planning.md").read_text(encoding="utf-8")
+    assert people.table(found) in page
+    for said in (found["command"], f"{found['random_shifts']:,}", f"{found['plans']:,}"):
+        assert said in page
+    assert found["violations"] == 0

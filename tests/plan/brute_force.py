@@ -90,6 +90,15 @@ class Plain:
             for name, entry in data["operators"].items()
             if entry.get("stress_limit") is not None
         }
+        self.limits = [
+            (name, *named.split(":"), Fraction(repr(float(most))))
+            for name, entry in data["operators"].items()
+            for named, most in (entry.get("limits") or {}).items()
+        ]
+        self.cycles = Fraction(repr(float(data.get("cycles_per_shift") or 1)))
+        self.assessed = {
+            str(name): list(entry.get("ergonomics") or ()) for name, entry in data["tasks"].items()
+        }
         self.holds = [
             (name, str(first), str(last))
             for name, entry in data["operators"].items()
@@ -175,10 +184,56 @@ class Plain:
         who = {step.name: set(step.way.who) for step in done}
         if any(a in who and b in who and who[a] != who[b] for a, b in self.pairs):
             return False
+        if any(not self.keeps_limit(done, *limit) for limit in self.limits):
+            return False
         return all(
             sum(step.way.strain.get(name, 0) for step in done) <= limit
             for name, limit in self.limit.items()
         )
+
+    def keeps_limit(
+        self, done: tuple[Step, ...], who: str, what: str, scale: str, *rest: Any
+    ) -> bool:
+        """Whether what is done so far keeps one of `limits`."""
+        *level, most = rest
+        values = [
+            (self._puts_on(step, who, scale), Fraction(step.way.time, MILLION))
+            for step in done
+            if who in step.way.who
+        ]
+        if what == "peak":
+            return all(value <= most for value, _ in values)
+        if what == "time-above":
+            above = Fraction(level[0])
+            # who has no value of a task is at no level, not even at 0
+            return sum(time for value, time in values if value >= above) <= most
+        return sum(value for value, _ in values) * self.cycles <= most
+
+    def _puts_on(self, step: Step, who: str, scale: str) -> Fraction:
+        """What the task puts on the person; -1 for nothing that is known, but 0 of a dose."""
+        if scale == "stress":
+            return Fraction(step.way.strain[who], MILLION)
+        method, _, hand = scale.partition("-")
+        rows = [row for row in self.assessed[step.name] if row["method"] == method]
+        own = [row for row in rows if who in row.get("operators", ())]
+        mine = own + [
+            row
+            for row in rows
+            if not row.get("operators")
+            and row.get("side") not in [other.get("side") for other in own]
+        ]
+        adds = method in ("lifft", "duet")
+        if not mine:
+            return Fraction(0 if adds else -1)
+        hands = {}
+        for side in ("left", "right"):
+            scores = [
+                Fraction(repr(float(row["score"])))
+                for row in mine
+                if row.get("side") in (side, "both", None)
+            ]
+            hands[side] = sum(scores, Fraction(0)) if adds else max(scores, default=Fraction(0))
+        return hands[hand] if hand else max(hands.values())
 
     def allows(self, done: tuple[Step, ...]) -> bool:
         """Whether these steps, some tasks not begun, break no rule on times."""

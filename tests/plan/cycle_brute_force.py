@@ -13,7 +13,7 @@ from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
-from tests.plan.brute_force import MILLION, walks_of
+from tests.plan.brute_force import MILLION, Plain, Step, walks_of
 
 MOST_TRIED = 400_000
 """Ways to lay out one allocation in one cycle; larger cells are not for brute force."""
@@ -52,7 +52,7 @@ class Repeating:
     """
 
     def __init__(self, data: Mapping[str, Any]) -> None:
-        self.data = data
+        self.data, self.plain = data, Plain(data)
         self.names = list(data["tasks"])
         self.per_second = self._scale()
         self.ways = [list(self._ways(task)) for task in data["tasks"].values()]
@@ -273,6 +273,14 @@ class Repeating:
 
     # ------------------------------------------------------------ the cell as data
 
+    def _keeps_limits(self, chosen: tuple[Way, ...]) -> bool:
+        """Whether people's `limits` are kept, as the brute force of schedules reads them."""
+        steps = []
+        for name, mine in zip(self.names, chosen, strict=True):
+            ways = self.plain.jobs[name].ways
+            steps.append(Step(name, next(w for w in ways if set(w.who) == set(mine.who)), 0))
+        return all(self.plain.keeps_limit(tuple(steps), *limit) for limit in self.plain.limits)
+
     def _allocations(self) -> Iterator[tuple[tuple[Way, ...], Decimal]]:
         if prod(map(len, self.ways)) > 2_000:
             raise TooLarge
@@ -294,6 +302,8 @@ class Repeating:
                 for who, operator in self.data["operators"].items()
                 if "stress_limit" in operator
             ):
+                continue
+            if not self._keeps_limits(chosen):
                 continue
             table = self.data.get("stress_of_set")
             if table is None:

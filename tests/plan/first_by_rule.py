@@ -83,14 +83,26 @@ class _Search:
 
     def _keep(self, kept: dict[Key, list[_Ranked]], new: _Ranked) -> None:
         """Takes the node in unless another one of its key comes before it in everything."""
-        key = (*self.moves.key(new.node), tuple(new.node.loads[o] for o in self.people))
+        key = (*self.moves.key(new.node), tuple(self._loads(new.node)))
         row = kept.setdefault(key, [])
         if not any(_comes_first(other, new) for other in row):
             row[:] = [other for other in row if not _comes_first(new, other)]
             row.append(new)
 
+    def _loads(self, node: Node) -> list[int]:
+        """Stress of each of the people so far."""
+        loads = dict.fromkeys(self.people, 0)
+        here: Node | None = node
+        while here is not None and here.step is not None:
+            _, step, _ = here.step
+            for operator, load in zip(step.operators, step.load, strict=True):
+                if operator in loads:
+                    loads[operator] += load
+            here = here.before
+        return list(loads.values())
+
     def _spread(self, node: Node) -> int:
-        loads = [node.loads[o] for o in self.people]
+        loads = self._loads(node)
         return max(loads) - min(loads) if loads else 0
 
 

@@ -15,12 +15,13 @@ import pytest
 from tests.benchmark_data import folder
 
 import tandem
+from tandem.cell.burdens import named
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, UsageError
 from tandem.files.validate import cell_of
 from tandem.plan.axes import plan_axes
 from tandem.schedule.checker import faults
-from tandem.schedule.exposure import by_person, limit_of, named, value
+from tandem.schedule.exposure import by_person, limit_of, value
 
 MEASURES = (
     "stress",
@@ -213,7 +214,7 @@ def test_limits_cut_off_what_exceeds_them_and_nothing_else(seed: int):
             continue
         assert {point.values for point in front.points} == _least(within), text
         limit = limit_of(text, cell, 500)
-        assert all(not limit.faults(cell, point.schedule, 500) for point in front.points)
+        assert all(not limit.faults(cell, point.schedule) for point in front.points)
 
 
 def test_a_limit_of_fatigue_is_kept_by_its_envelope():

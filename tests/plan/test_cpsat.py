@@ -182,8 +182,8 @@ def test_a_machine_that_holds_a_part_takes_up_no_other():
     assert not possible(cell({**TWO, "press": press}, tasks), 19, *rules)
 
 
-def test_a_human_stays_within_the_stress_limit():
-    rule = cpsat.a_human_stays_within_the_stress_limit
+def test_nobody_takes_more_than_allowed():
+    rule = cpsat.nobody_takes_more_than_allowed
     tasks = {"a": {"time": {"anna": 5}, "stress": 2.5}, "b": {"time": {"anna": 5}, "stress": 2}}
     assert possible(cell({"anna": {"kind": "human", "stress_limit": 4.5}}, tasks), 10, rule)
     assert not possible(cell({"anna": {"kind": "human", "stress_limit": 4.4}}, tasks), 10, rule)

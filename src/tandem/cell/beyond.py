@@ -15,7 +15,7 @@ from tandem.cell.model import Cell
 
 Path = tuple[str, ...]
 
-NAMES = frozenset({"format", "name", "label", "part", "kind", "ergonomics"})
+NAMES = frozenset({"format", "name", "label", "part", "kind", "ergonomics", "cycles_per_shift"})
 """Keys that call things by name, or tell what is known of the work and move no schedule; anyone can
 stand them.
 """

@@ -189,6 +189,15 @@ class Operator(Frozen):
     stress_limit: Amount | None = Field(
         default=None, description="The most stress that this human may collect in all."
     )
+    limits: PerOperator = Field(
+        default_factory=Table,
+        description=(
+            "The most that this human may have of further measures: `peak:SCALE` (highest value of"
+            " a task), `time-above:SCALE:LEVEL` (seconds in tasks at the level and above) and"
+            " `dose:SCALE` (of a shift, see `cycles_per_shift`), such as `{peak:reba: 7}`. Scales"
+            " are those of the tasks' `ergonomics`, and `stress`."
+        ),
+    )
     tool: Name | None = Field(
         default=None,
         description=(
@@ -689,7 +698,10 @@ class Fields(Frozen):
             " stress of doing just these. A set that is not listed is not allowed."
         ),
     )
-
+    cycles_per_shift: Seconds | None = Field(
+        default=None,
+        description="How many products a shift makes; a dose of a shift counts that many.",
+    )
     cost: Cost | None = Field(
         default=None,
         description="What an hour costs; then each plan says what a piece costs.",

@@ -537,6 +537,14 @@ def assessments_can_be_scored(cell: Fields) -> Iterator[Fault]:
         yield from faults(cell)
 
 
+def limits_can_be_kept(cell: Fields) -> Iterator[Fault]:
+    """`limits` stand at humans, and name measures that every plan and decision can keep."""
+    if any(operator.limits for operator in cell.operators.values()):
+        from tandem.cell.burdens import faults
+
+        yield from faults(cell)
+
+
 def _stresses(cell: Fields) -> Iterator[tuple[Path, Mapping[str, float], str]]:
     """Every stress that is stated per human."""
     for name, task in cell.tasks.items():
@@ -592,4 +600,5 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     exact_planning_can_count_it,
     invested_money_is_spread_over_hours,
     assessments_can_be_scored,
+    limits_can_be_kept,
 )

@@ -336,10 +336,11 @@ def _cell(
     if not any(task.ergonomics for task in cell.tasks.values()):
         click.echo(t("cell.none"), err=True)
     found = None
+    cycles = cell.cycles_per_shift if whole["cycles"] is None else whole["cycles"]
     if by[0] is not None:
         schedule, each = _planned(by[0], cell, by[1], lang)
-        found = shift(cell, schedule, each_s=each, hours=by[2], cycles=whole["cycles"])
-    cycles = whole["cycles"] if found is None else found.cycles
+        found = shift(cell, schedule, each_s=each, hours=by[2], cycles=cycles)
+    cycles = cycles if found is None else found.cycles
     rows = [scored(row) for row in rows_of(cell, _stated(cell, cycles))]
     name = cell.name or path.stem
     _put(

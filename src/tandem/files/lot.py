@@ -9,9 +9,10 @@ rule of a cell is stated a second time here. Each product keeps its tasks, named
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from tandem.cell.burdens import adds_up
 from tandem.cell.model import Cell
 from tandem.cell.names import clean
 from tandem.cell.parts import Fields, Operator, Tool, Zone
@@ -21,10 +22,10 @@ from tandem.files.validate import cell_of
 BETWEEN = "/"
 """Stands between the product's name and the task's."""
 
-OF_THE_PRODUCT = ("holds", "stress_limit")
+OF_THE_PRODUCT = ("holds", "stress_limit", "limits")
 """What an operator has for a product's tasks, and a lot's operator for the tasks of all."""
 
-OF_THE_STATION = ("places", "walk", "cost")
+OF_THE_STATION = ("places", "walk", "cost", "cycles_per_shift")
 """Tables that all products of a lot must state alike."""
 
 
@@ -32,8 +33,9 @@ def lot(products: Mapping[str, Cell]) -> Cell:
     """One cell that makes all these products, begun together.
 
     Operators, and the tools, zones, places, walks and costs that they name, must be the same. The
-    limits of a human's stress add up. Releases, deadlines and breaks count from the beginning of
-    the lot. Variants are left out, with a `NotReadWarning`.
+    limits of a human add up, but for those of one task, which must be the same. Releases, deadlines
+    and breaks count from the beginning of the lot. Variants are left out, with a
+    `NotReadWarning`.
 
     Args:
       products: name -> its cell, in the order in which they stand in the lot.
@@ -109,14 +111,23 @@ def _operators(
             for name, cell in cells
             for pair in cell.operators[who].holds
         ]
-        limits = [cell.operators[who].stress_limit for _, cell in cells]
-        stated = [one for one in limits if one is not None]
-        # without the dust that adding floats leaves
-        limit = round(sum(stated), 6) if stated else None
         made[who] = {key: value for key, value in told.items() if key not in OF_THE_PRODUCT}
         made[who] |= {"holds": holds} if holds else {}
-        made[who] |= {} if limit is None else {"stress_limit": limit}
+        made[who] |= _limits([cell.operators[who] for _, cell in cells])
     return made
+
+
+def _limits(same: Sequence[Operator]) -> dict[str, Any]:
+    """What a person may have of all products together: the same limits stand at each of them."""
+    made: dict[str, Any] = {}
+    # without the dust that adding floats leaves
+    if same[0].stress_limit is not None:
+        made["stress_limit"] = round(sum(one.stress_limit or 0.0 for one in same), 6)
+    limits = {
+        name: round(sum(one.limits[name] for one in same), 6) if adds_up(name) else most
+        for name, most in same[0].limits.items()
+    }
+    return made | ({"limits": limits} if limits else {})
 
 
 def _task(product: str, told: Mapping[str, Any]) -> dict[str, Any]:
@@ -175,13 +186,16 @@ def _of_station(products: Mapping[str, Cell]) -> Iterator[Fault]:
 
 
 def _that_differ(one: Operator, other: Operator) -> list[str]:
-    """Keys of the station that two operators of a name do not state alike; whether a stress limit
-    is stated is one, how high it is belongs to the product.
+    """Keys of the station that two operators of a name do not state alike; whether a limit is
+    stated is one, how high it is belongs to the product, but for a limit of one task.
     """
     keys = [key for key in Operator.model_fields if key not in OF_THE_PRODUCT]
     found = [key for key in keys if getattr(one, key) != getattr(other, key)]
     if (one.stress_limit is None) != (other.stress_limit is None):
         found.append("stress_limit")
+    peaks = [{k: most for k, most in x.limits.items() if not adds_up(k)} for x in (one, other)]
+    if one.limits.keys() != other.limits.keys() or peaks[0] != peaks[1]:
+        found.append("limits")
     return found
 
 

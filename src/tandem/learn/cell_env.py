@@ -126,7 +126,7 @@ class CellGame:
 
     @property
     def longest(self) -> int:
-        tasks, operators = self.arrays.must.shape[-2:]
+        tasks, operators = self.arrays.release.shape[-1], self.arrays.human.shape[-1]
         events = tasks + int(np.prod(self.arrays.break_to.shape[-2:])) + tasks * self.waiting
         return tasks + self.waiting * operators * events
 

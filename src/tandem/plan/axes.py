@@ -19,7 +19,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import ROUND_CEILING, Decimal
+from decimal import Decimal
 from importlib.metadata import version
 from random import Random
 from time import monotonic
@@ -27,17 +27,18 @@ from typing import Any, TypeVar
 
 from ortools.sat.python import cp_model
 
+from tandem.cell.burdens import Measure, costs, named
 from tandem.cell.model import Cell, plain
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cpsat import SOLVER, Decisions, formulate
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
-from tandem.plan.instance import Instance
+from tandem.plan.instance import Instance, scale_of, up
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.question import Question
 from tandem.plan.result import SCHEMA_VERSION
 from tandem.plan.rules import SPECS, build
 from tandem.plan.starts import Starts, appended, measures
-from tandem.schedule.exposure import SHIFT_S, Limit, Measure, costs, limit_of, named, value
+from tandem.schedule.exposure import SHIFT_S, Limit, limit_of, value
 from tandem.schedule.measures import makespan
 from tandem.schedule.model import Schedule
 
@@ -76,7 +77,9 @@ class Counted:
         highest = sum(
             max((sum(c for _, c in way) for way in row), default=Decimal(0)) for row in rows
         )
-        scale, is_exact = scale_of([c for row in rows for way in row for _, c in way], highest)
+        scale, is_exact = scale_of(
+            [c for row in rows for way in row for _, c in way], highest, LARGEST
+        )
         whole = tuple(
             tuple(tuple((o, up(c * scale)) for o, c in way if c) for way in row) for row in rows
         )
@@ -136,12 +139,12 @@ class Budget:
     is_peak: bool
 
     @classmethod
-    def of(cls, instance: Instance, limit: Limit, cycles: float | None) -> Budget:
+    def of(cls, instance: Instance, limit: Limit) -> Budget:
         """The limit for the instance's cell."""
-        rows, most = _costs(instance, limit.measure), limit.per_cycle(cycles)
+        rows, most = _costs(instance, limit.measure), limit.per_cycle
         numbers = [c for row in rows for way in row for _, c in way]
         highest = sum(max((c for way in row for _, c in way), default=Decimal(0)) for row in rows)
-        scale, _ = scale_of([*numbers, most] if most <= highest else numbers, highest)
+        scale, _ = scale_of([*numbers, most] if most <= highest else numbers, highest, LARGEST)
         people = tuple(
             place
             for place, name in enumerate(instance.operators)
@@ -181,22 +184,6 @@ def _costs(instance: Instance, measure: Measure) -> list[list[list[tuple[int, De
         ]
         for task in instance.tasks
     ]
-
-
-def scale_of(numbers: Sequence[Decimal], highest: Decimal | int) -> tuple[Decimal, bool]:
-    """Units in 1, and whether they make every number whole: the least power of ten that does, or as
-    many as keep `highest` below `LARGEST`.
-    """
-    exponents = [number.normalize().as_tuple().exponent for number in numbers if number]
-    scale = Decimal(10) ** max([0, *(-int(e) for e in exponents if int(e) < 0)])
-    if highest * scale <= LARGEST:
-        return scale, True
-    return Decimal(10) ** int((Decimal(LARGEST) / highest).logb()), False
-
-
-def up(number: Decimal) -> int:
-    """The next whole number."""
-    return int(number.to_integral_value(ROUND_CEILING))
 
 
 @dataclass(frozen=True)
@@ -303,7 +290,7 @@ def plan_axes(
       time_limit: seconds; None to go on until everything is proven.
       workers: threads of each proof; one when None, so that schedules repeat.
       shift_s: seconds of a shift, for doses.
-      cycles: products of a shift; as many as fit when None.
+      cycles: products of a shift; the cell's own, or as many as fit, when None.
       limits: `MEASURE=MOST` for everybody or `MEASURE@PERSON=MOST`. No schedule exceeds one.
 
     Raises:
@@ -313,6 +300,7 @@ def plan_axes(
     """
     began = monotonic()
     until = None if time_limit is None else began + time_limit
+    cycles = cell.cycles_per_shift if cycles is None else cycles
     kept = tuple(limit_of(text, cell, cycles) for text in limits)
     search = _Search(cell, axes_named(axes, cell), kept, cycles, until, seed, workers or 1)
     search.run()
@@ -361,14 +349,12 @@ class _Search:
         self.layout = Layout.of(self.instance)
         self.counted = [Counted.of(self.instance, measure) for measure in measures]
         self.cycles = cycles
-        self.budgets = [Budget.of(self.instance, limit, cycles) for limit in limits]
+        self.budgets = [Budget.of(self.instance, limit) for limit in limits]
         self.door = Door(
             cell,
             self.instance,
             Question(),
-            lambda schedule: [
-                fault for limit in limits for fault in limit.faults(cell, schedule, cycles)
-            ],
+            lambda schedule: [fault for limit in limits for fault in limit.faults(cell, schedule)],
         )
         self.found: dict[tuple[int, ...], Admitted] = {}
         self.proven: set[tuple[int, ...]] = set()

@@ -50,7 +50,7 @@ class Node(NamedTuple):
       tools, zones: per tool or zone, the moments at which its places are free, sorted; empty where
         the capacity never binds.
       apart: per zone, for each kind that it keeps apart, when the last of them leaves.
-      loads: stress per operator. `stress`: their sum.
+      stress: units of all operators. taken: per allowance, what the tasks appended take of it.
       humans: bits of the tasks in which humans take part.
       teams: `(team, operators)` of the teams that have begun, sorted.
       starts: per task appended, its start, of others 0; empty where no wait counts from starts.
@@ -66,7 +66,7 @@ class Node(NamedTuple):
     tools: tuple[tuple[int, ...], ...]
     zones: tuple[tuple[int, ...], ...]
     apart: tuple[tuple[int, ...], ...]
-    loads: tuple[int, ...]
+    taken: tuple[int, ...]
     stress: int
     humans: int
     teams: tuple[tuple[int, tuple[int, ...]], ...]
@@ -97,7 +97,6 @@ class Branching:
             end - own for end, own in zip(latest_end, layout.quickest, strict=True)
         ]
         self.prepares = instance.has_preparations
-        self.limited = [o for o in self.operators if instance.stress_limit[o] is not None]
         self.human = [
             [any(instance.human[o] for o in step.operators) for step in row] for row in layout.steps
         ]
@@ -120,7 +119,7 @@ class Branching:
             tools=tuple((0,) * places for places in self.instance.tool_room),
             zones=tuple((0,) * places for places in self.instance.zone_room),
             apart=tuple((0,) * (max(row, default=-1) + 1) for row in self.instance.zone_apart),
-            loads=(0,) * operators,
+            taken=(0,) * len(self.instance.allowances),
             stress=0,
             humans=0,
             teams=(),
@@ -313,7 +312,7 @@ class Branching:
             numbers += [max(place, last) for place in places]
         if self.instance.has_apart:
             numbers += [max(end, last) for kinds in node.apart for end in kinds]
-        numbers += [node.loads[o] for o in self.limited]
+        numbers += node.taken
         if self.instance.stress_of_set is None:
             numbers.append(node.stress)
         return tuple(numbers)
@@ -348,9 +347,8 @@ class Branching:
             other == team and operators != step.operators for other, operators in node.teams
         ):
             return None
-        for operator, load in zip(step.operators, step.load, strict=True):
-            limit = self.instance.stress_limit[operator]
-            if limit is not None and node.loads[operator] + load > limit:
+        for number, due in step.dues:
+            if node.taken[number] + due > self.instance.allowances[number].most:
                 return None
         start = max(ready, self._given_back(node, task, step))
         before = {o: preparation[node.stance[o]][0] for o, preparation in step.preparations}
@@ -393,10 +391,12 @@ class Branching:
         instance, end, who = self.instance, start + step.ticks, step.operators
         zone, team = instance.timed_zone[task], instance.team[task]
         # nodes share what did not change: the tuples of the parent are taken over
-        free, loads, ends, stance = list(node.free), list(node.loads), list(node.ends), node.stance
-        for operator, load in zip(who, step.load, strict=True):
+        free, ends, stance, taken = list(node.free), list(node.ends), node.stance, node.taken
+        for operator in who:
             free[operator] = end
-            loads[operator] += load
+        if taken:
+            dues = dict(step.dues)
+            taken = tuple(units + dues.get(number, 0) for number, units in enumerate(taken))
         ends[task] = end
         for hold in instance.held_until[task] if instance.has_holds else ():
             machine = instance.holds[hold][0]
@@ -427,7 +427,7 @@ class Branching:
             tools=tools,
             zones=_taken(node.zones, zone, len(who), end),
             apart=self._with_its_kind(node, task, step, end),
-            loads=tuple(loads),
+            taken=taken,
             stress=node.stress + step.stress,
             humans=node.humans | self.human[task][index] << task,
             teams=teams,
@@ -475,12 +475,14 @@ class Branching:
 
 
 def _is_no_harder(step: Step, other: Step) -> bool:
-    """Whether no operator has more stress in the first than in the second."""
-    loads = dict(zip(other.operators, other.load, strict=True))
+    """Whether no operator has more stress in the first than in the second, nor takes more of an
+    allowance.
+    """
+    loads, dues = dict(zip(other.operators, other.load, strict=True)), dict(other.dues)
     return all(
         load <= loads.get(operator, 0)
         for operator, load in zip(step.operators, step.load, strict=True)
-    )
+    ) and all(due <= dues.get(number, 0) for number, due in step.dues)
 
 
 def _taken(

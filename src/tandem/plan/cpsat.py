@@ -436,22 +436,17 @@ def _share(plan: Decisions, uses: list[list[Use]], places: tuple[int, ...]) -> N
             plan.model.add_cumulative(intervals, [use.places for use in mine], capacity)
 
 
-def a_human_stays_within_the_stress_limit(plan: Decisions) -> None:
-    """The stress of all that a human does, alone or with others, is at most their limit."""
-    for operator, limit in enumerate(plan.instance.stress_limit):
-        if limit is not None:
-            plan.model.add(sum(load * x for load, x in loads_of(plan, operator)) <= limit)
-
-
-def loads_of(plan: Decisions, operator: int) -> list[tuple[int, cp_model.IntVar]]:
-    """Units of stress on the operator, and the literal under which they come."""
-    return [
-        (load, x)
-        for chosen, ways in zip(plan.chosen, plan.instance.ways, strict=True)
-        for x, way in zip(chosen, ways, strict=True)
-        for who, load in zip(way.operators, way.load, strict=True)
-        if who == operator and load
-    ]
+def nobody_takes_more_than_allowed(plan: Decisions) -> None:
+    """What all that a person does, alone or with others, takes of an allowance is at most it."""
+    for number, allowance in enumerate(plan.instance.allowances):
+        terms = [
+            due * x
+            for chosen, ways in zip(plan.chosen, plan.instance.ways, strict=True)
+            for x, way in zip(chosen, ways, strict=True)
+            for which, due in way.dues
+            if which == number and due
+        ]
+        plan.model.add(sum(terms) <= allowance.most)
 
 
 def some_tasks_have_the_same_operators(plan: Decisions) -> None:
@@ -578,7 +573,7 @@ RULES: tuple[Rule, ...] = (
     a_tool_is_used_as_often_as_it_exists,
     a_zone_holds_as_many_as_it_has_places,
     kinds_are_kept_apart,
-    a_human_stays_within_the_stress_limit,
+    nobody_takes_more_than_allowed,
     some_tasks_have_the_same_operators,
     stress_is_counted,
     the_work_of_an_operator_fits_before_the_end,
@@ -594,7 +589,7 @@ slow the search down.
 """
 
 ALLOCATION: tuple[Rule, ...] = (
-    a_human_stays_within_the_stress_limit,
+    nobody_takes_more_than_allowed,
     some_tasks_have_the_same_operators,
     stress_is_counted,
     the_work_of_an_operator_fits_before_the_end,

@@ -12,12 +12,13 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
+from tandem.cell.burdens import OWN
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan import exact
 from tandem.plan.change_terms import rules
 from tandem.plan.cpsat import formulate
-from tandem.plan.infeasible import Core, Limit, infeasible, minimal_core
+from tandem.plan.infeasible import Core, Limit, infeasible, minimal_core, on_people
 from tandem.plan.question import Question
 from tandem.plan.standing import Standing
 
@@ -138,12 +139,11 @@ def _liftable(standing: Standing) -> Iterator[tuple[Limit, Lift]]:
             )
             wait = ("tasks", stated.tasks[lag.task], "wait", first, "at_most")
             yield Limit(words, wait), partial(_without_wait, place)
-    for operator, limit in enumerate(stated.stress_limit):
-        if limit is not None:
-            stress = number(stated.stress(limit))
-            words = f"the stress limit of {stated.operators[operator]} ({stress})"
-            at = ("operators", stated.operators[operator], "stress_limit")
-            yield Limit(words, at), partial(_without_stress_limit, operator)
+    of_people = {limit.where: limit for limit in on_people(standing.cell)}
+    for place, allowance in enumerate(stated.allowances):
+        whose = ("operators", stated.operators[allowance.operator])
+        key = ("stress_limit",) if allowance.measure == OWN else ("limits", allowance.measure)
+        yield of_people[(*whose, *key)], partial(_without_allowance, place)
 
 
 def _without_deadline(task: int, standing: Standing) -> Standing:
@@ -157,9 +157,8 @@ def _without_wait(place: int, standing: Standing) -> Standing:
     return replace(standing, stated=replace(standing.stated, lags=kept))
 
 
-def _without_stress_limit(operator: int, standing: Standing) -> Standing:
-    limits = _with_none(standing.stated.stress_limit, operator)
-    return replace(standing, stated=replace(standing.stated, stress_limit=limits))
+def _without_allowance(place: int, standing: Standing) -> Standing:
+    return replace(standing, stated=standing.stated.without_allowance(place))
 
 
 def _with_none(limits: tuple[int | None, ...], place: int) -> tuple[int | None, ...]:

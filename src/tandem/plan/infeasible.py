@@ -13,7 +13,7 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.parts import Operator, Task, Tool, Wait, Zone
+from tandem.cell.parts import Operator, Table, Task, Tool, Wait, Zone
 from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
@@ -230,15 +230,22 @@ def limits(cell: Cell, question: Question) -> Iterator[Limit]:
     if question.max_stress is not None:
         words = f"the limit on stress ({number(question.max_stress)})"
         yield Limit(words, ("question", "max_stress"))
-    for rule in (_on_stress_and_ends, _on_who_does_what, _on_who_and_what_is_there, _on_room):
+    for rule in (on_people, _on_ends, _on_who_does_what, _on_who_and_what_is_there, _on_room):
         yield from rule(cell)
 
 
-def _on_stress_and_ends(cell: Cell) -> Iterator[Limit]:
+def on_people(cell: Cell) -> Iterator[Limit]:
+    """What people may have at most."""
     for name, operator in cell.operators.items():
         if operator.stress_limit is not None:
             words = f"the stress limit of {name} ({number(operator.stress_limit)})"
             yield Limit(words, ("operators", name, "stress_limit"))
+        for measure, most in operator.limits.items():
+            words = f"the limit of {name} on {measure} ({number(most)})"
+            yield Limit(words, ("operators", name, "limits", measure))
+
+
+def _on_ends(cell: Cell) -> Iterator[Limit]:
     for name, task in cell.tasks.items():
         if task.deadline is not None:
             words = f"the deadline of task {name} ({number(task.deadline)} s)"
@@ -308,6 +315,9 @@ def _on_room(cell: Cell) -> Iterator[Limit]:
 
 
 def _without_key(operator: Operator, key: str, *pair: str) -> Operator:
+    if key == "limits":
+        kept = {name: most for name, most in operator.limits.items() if name not in pair}
+        return operator.model_copy(update={key: Table(kept)})
     if pair:
         rest = tuple(other for other in operator.holds if other != pair)
         return operator.model_copy(update={key: rest})

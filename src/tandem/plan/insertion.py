@@ -2,7 +2,7 @@
 compiled code.
 
 What is compiled knows precedence, eligibility, own times, joint ways, releases, least waits after
-an end, stress limits, `same_operator`, and zones and tools that exist once and cost no changes.
+an end, limits of people, `same_operator`, and zones and tools that exist once and cost no changes.
 Cells that ask for more are left to stretches (`lns.py`). What comes out is an order and ways, from
 which list scheduling makes the schedule, and the door judges it.
 
@@ -68,7 +68,7 @@ class Insertion:
         self.layout, self.moves = layout, moves
         self.parts = _parts(layout, moves)
         tasks, ways = len(layout.steps), len(self.parts.ticks)
-        resources = len(self.parts.limit)
+        resources, allowances = _count(layout.instance), len(self.parts.most)
 
         def plan() -> Any:
             return moves.Plan(*(np.full(tasks, -1, np.int64) for _ in range(4)))
@@ -86,7 +86,7 @@ class Insertion:
             may=np.zeros(ways, np.bool_),
             free=np.zeros(resources, np.int64),
             behind=np.zeros((tasks + 1, resources), np.int64),
-            carried=np.zeros(resources, np.int64),
+            carried=np.zeros(allowances, np.int64),
         )
 
     def aim(self, time: int, stress: int, most_ticks: int | None, most_units: int | None) -> None:
@@ -165,13 +165,8 @@ def _parts(layout: Layout, moves: ModuleType) -> Any:
     resources = [
         _resources(instance, task, step) for task, row in enumerate(layout.steps) for step in row
     ]
-    loads = [
-        (*step.load, *(0 for _ in row[len(step.load) :]))
-        for step, row in zip(steps, resources, strict=True)
-    ]
+    dues = [step.dues for step in steps]
     groups = {group: number for number, group in enumerate({s.operators: 0 for s in steps})}
-    others = len(instance.zones) + len(instance.tools)
-    limits = [moves.INFINITE if limit is None else limit for limit in instance.stress_limit]
     behind = instance.behind
 
     def numbers(row: Sequence[int]) -> Any:
@@ -194,10 +189,12 @@ def _parts(layout: Layout, moves: ModuleType) -> Any:
         stress=numbers([step.stress for step in steps]),
         who_of=_offsets(resources),
         who=numbers(list(chain.from_iterable(resources))),
-        load=numbers(list(chain.from_iterable(loads))),
+        due_of=_offsets(dues),
+        owed=numbers([number for row in dues for number, _ in row]),
+        due=numbers([due for row in dues for _, due in row]),
         team=numbers([groups[step.operators] for step in steps]),
         stays=np.array([team >= 0 for team in instance.team], np.bool_),
-        limit=numbers([*limits, *(moves.INFINITE for _ in range(others))]),
+        most=numbers([allowance.most for allowance in instance.allowances]),
         limited=instance.has_limits,
     )
 
@@ -206,6 +203,11 @@ def _offsets(rows: Sequence[Sequence[Any]]) -> Any:
     import numpy as np
 
     return np.array([0, *accumulate(map(len, rows))], np.int64)
+
+
+def _count(instance: Instance) -> int:
+    """How many resources there are at most, see `_resources`."""
+    return len(instance.operators) + len(instance.zones) + len(instance.tools)
 
 
 def _resources(instance: Instance, task: int, step: Step) -> tuple[int, ...]:

@@ -53,11 +53,12 @@ class Parts(NamedTuple):
       release: `[T]` int64, ticks.
       way_of: ways of task `t` are `way_of[t]` to `way_of[t + 1] - 1`. `[T + 1]` int64.
       ticks, stress: `[W]` int64.
-      who_of, who, load: resources of way `w` are `who[who_of[w]:who_of[w + 1]]`, `load` the stress
-        on each.
+      who_of, who: resources of way `w` are `who[who_of[w]:who_of[w + 1]]`.
+      due_of, owed, due: of allowance `owed[j]` way `w` takes `due[j]`, `j` from `due_of[w]` to
+        `due_of[w + 1] - 1`.
       team: `[W]` int64, alike for ways with the same operators. stays: `[T]` bool, the task may not
         change its operators.
-      limit: `[R]` int64, stress that a resource may bear. limited: some may not bear all.
+      most: `[A]` int64, what may be taken of each allowance. limited: there are some.
     """
 
     first_of: np.ndarray
@@ -72,10 +73,12 @@ class Parts(NamedTuple):
     stress: np.ndarray
     who_of: np.ndarray
     who: np.ndarray
-    load: np.ndarray
+    due_of: np.ndarray
+    owed: np.ndarray
+    due: np.ndarray
     team: np.ndarray
     stays: np.ndarray
-    limit: np.ndarray
+    most: np.ndarray
     limited: bool
 
 
@@ -344,13 +347,13 @@ def _pass_by(parts: Parts, walk: Walk, task: int) -> None:
 
 @_inner
 def _may(parts: Parts, walk: Walk, task: int, way: int) -> bool:
-    """Whether limits of stress and `same_operator` let the task be done in this way."""
+    """Whether limits of people and `same_operator` let the task be done in this way."""
     if parts.stays[task] and parts.team[way] != parts.team[walk.now.way[task]]:
         return False
     if not parts.limited:
         return True
-    for j in range(parts.who_of[way], parts.who_of[way + 1]):
-        if walk.carried[parts.who[j]] + parts.load[j] > parts.limit[parts.who[j]]:
+    for j in range(parts.due_of[way], parts.due_of[way + 1]):
+        if walk.carried[parts.owed[j]] + parts.due[j] > parts.most[parts.owed[j]]:
             return False
     return True
 
@@ -399,9 +402,9 @@ def _best_place(
 
 @_inner
 def _carry(parts: Parts, walk: Walk, way: int, sign: int) -> None:
-    """Counts the stress of a way in, or out."""
-    for j in range(parts.who_of[way], parts.who_of[way + 1]):
-        walk.carried[parts.who[j]] += sign * parts.load[j]
+    """Counts what a way takes of allowances in, or out."""
+    for j in range(parts.due_of[way], parts.due_of[way + 1]):
+        walk.carried[parts.owed[j]] += sign * parts.due[j]
 
 
 @_inner
@@ -461,8 +464,8 @@ def take(parts: Parts, walk: Walk, source: Plan, units: int, sort: int) -> None:
 @_entry
 def recount(parts: Parts, walk: Walk) -> None:
     """The stress on every resource in the present plan."""
-    for resource in range(walk.carried.shape[0]):
-        walk.carried[resource] = 0
+    for allowance in range(walk.carried.shape[0]):
+        walk.carried[allowance] = 0
     for task in range(walk.now.way.shape[0]):
         _carry(parts, walk, walk.now.way[task], 1)
 
@@ -518,8 +521,8 @@ def warm() -> None:
 
     flat = np.zeros(2, np.int64)
     parts = Parts(
-        flat, none, none, flat, none, none, one, some, one + 1, one, some, one, one, one,
-        np.zeros(1, np.bool_), one + INFINITE, False,
+        flat, none, none, flat, none, none, one, some, one + 1, one, some, one, flat, none, none,
+        one, np.zeros(1, np.bool_), none, False,
     )  # fmt: skip
     walk = Walk(
         plan(), plan(), one.copy(), one.copy(), np.zeros(4, np.int64), np.ones(1, np.uint64),

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
+from decimal import ROUND_CEILING, Decimal
 from functools import cached_property
 from itertools import groupby
 from typing import Any, NamedTuple
 
+from tandem.cell.burdens import OWN
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode, Tool, Zone
 from tandem.cell.precedence import between
+from tandem.schedule.exposure import all_limits
 from tandem.schedule.model import Assignment, Schedule
 
 
@@ -27,12 +29,14 @@ class Way:
       ticks: the duration.
       load: the stress per operator, 0 for robots.
       tools: the tool that each operator needs in hand, or None.
+      dues: `(allowance, units of it)` that the way takes, of the allowances of its operators.
     """
 
     operators: tuple[int, ...]
     ticks: int
     load: tuple[int, ...]
     tools: tuple[int | None, ...]
+    dues: tuple[tuple[int, int], ...] = ()
 
     @cached_property
     def stress(self) -> int:
@@ -113,6 +117,24 @@ class Lag(NamedTuple):
     most: int | None
 
 
+class Allowance(NamedTuple):
+    """What one person may have of a measure: the `dues` of all that they do come to `most` units at
+    most, which the measure's exact limit says in whole numbers.
+
+    Attributes:
+      operator: whose it is.
+      measure: its name, as in `limits` of the cell; "stress" for the `stress_limit`.
+    """
+
+    operator: int
+    measure: str
+    most: int
+
+
+MOST_DUE = 1 << 30
+"""Units that the dues of all ways of an allowance stay below, so that 32 bits hold their sums."""
+
+
 @dataclass(frozen=True)
 class Instance:
     """The cell's numbers; tasks, operators, tools and zones are indices in the cell's order.
@@ -135,7 +157,8 @@ class Instance:
       in_hand, stands: per operator, the tool and the place at the start, or None.
       walk: `[operator][from][to]` ticks.
       breaks: per operator, `(from, to)` ticks in which it does nothing, sorted, disjoint.
-      stress_limit: per operator, units or None.
+      allowances: what limits of persons leave them; the `stress_limit` in units of stress, others
+        in units of their own.
       holds: `(operator, first, last)`: from the start of the first task to the end of the last one
         the operator, a machine, holds a part. Of some tasks alone (`restricted`) a first of -1
         stands for one that has begun before them, a last of -1 for one that comes behind them.
@@ -167,7 +190,7 @@ class Instance:
     stands: tuple[int | None, ...]
     walk: tuple[tuple[tuple[int, ...], ...], ...]
     breaks: tuple[tuple[tuple[int, int], ...], ...]
-    stress_limit: tuple[int | None, ...]
+    allowances: tuple[Allowance, ...]
     holds: tuple[tuple[int, int, int], ...]
     within: tuple[int, ...]
     same_operator: tuple[tuple[int, int], ...]
@@ -178,6 +201,7 @@ class Instance:
     def of(cls, cell: Cell) -> Instance:
         """The cell's instance: nothing is rounded."""
         count = _Count(_scale(_times_in(cell)), _scale(_stresses_in(cell)))
+        allowances, dues = _allowances(cell, count)
         return cls(
             cell=cell,
             per_second=count.per_second,
@@ -185,7 +209,8 @@ class Instance:
             tools=cell.tool_names,
             zones=cell.zone_names,
             places=cell.place_names,
-            **_tasks(cell, count),
+            allowances=allowances,
+            **_tasks(cell, count, dues),
             **_places(cell, count),
             **_operators(cell, count),
             **_holds(cell),
@@ -270,6 +295,28 @@ class Instance:
             "stress_of_set": None,  # stress by sets of all tasks says nothing about some of them
         }
         return replace(self, **(kept | changed))
+
+    def taken(self, ways: Iterable[Way]) -> list[int]:
+        """Per allowance, what these ways take of it."""
+        found = [0] * len(self.allowances)
+        for way in ways:
+            for number, due in way.dues:
+                found[number] += due
+        return found
+
+    def allowances_left(self, taken: Sequence[int]) -> tuple[Allowance, ...]:
+        """The allowances when so much of each is taken; none falls below 0."""
+        return tuple(
+            allowance._replace(most=max(0, allowance.most - due))
+            for allowance, due in zip(self.allowances, taken, strict=True)
+        )
+
+    def without_allowance(self, number: int) -> Instance:
+        """The instance in which this allowance is as much as anybody could take."""
+        every = sum(self.taken(way for ways in self.ways for way in ways))
+        kept = list(self.allowances)
+        kept[number] = kept[number]._replace(most=every)
+        return replace(self, allowances=tuple(kept))
 
     def still_held(self, tasks: Sequence[int], begun: int) -> dict[str, Any]:
         """`holds` and `within` of these tasks alone, when of the others those in `begun` (bits)
@@ -565,8 +612,8 @@ class Instance:
 
     @cached_property
     def has_limits(self) -> bool:
-        """Somebody has a limit of stress."""
-        return any(limit is not None for limit in self.stress_limit)
+        """Somebody has a limit."""
+        return bool(self.allowances)
 
     @cached_property
     def has_teams(self) -> bool:
@@ -824,13 +871,13 @@ class _Count(NamedTuple):
         return _whole(stress, self.per_stress)
 
 
-def _tasks(cell: Cell, count: _Count) -> dict[str, Any]:
+def _tasks(cell: Cell, count: _Count, dues: Dues) -> dict[str, Any]:
     index = {name: i for i, name in enumerate(cell.tasks)}
     tasks = cell.tasks.values()
     table = cell.stress_of_set
     return {
         "tasks": tuple(cell.tasks),
-        "ways": _ways(cell, count),
+        "ways": _ways(cell, count, dues),
         "before": tuple(tuple(index[a] for a in task.predecessors) for task in tasks),
         "lags": tuple(_lags(cell, count, index)),
         "release": tuple(count.ticks(task.release) for task in tasks),
@@ -859,19 +906,66 @@ def _lags(cell: Cell, count: _Count, index: dict[str, int]) -> Iterator[Lag]:
             )
 
 
-def _ways(cell: Cell, count: _Count) -> tuple[tuple[Way, ...], ...]:
+def _ways(cell: Cell, count: _Count, dues: Dues) -> tuple[tuple[Way, ...], ...]:
     number = {name: i for i, name in enumerate(cell.operators)}
     tool: dict[str | None, int | None] = {name: i for i, name in enumerate(cell.tool_names)}
 
-    def way(mode: Mode) -> Way:
+    def way(mode: Mode, taken: tuple[tuple[int, int], ...]) -> Way:
         return Way(
             operators=tuple([number[who] for who in mode.operators]),
             ticks=count.ticks(mode.time),
             load=tuple([count.units(mode.stress.get(who, 0.0)) for who in mode.operators]),
             tools=tuple([tool.get(mode.tools.get(who)) for who in mode.operators]),
+            dues=taken,
         )
 
-    return tuple([tuple(map(way, cell.modes(name))) for name in cell.tasks])
+    nothing: list[list[tuple[tuple[int, int], ...]]]
+    nothing = [[()] * len(cell.modes(name)) for name in cell.tasks]
+    return tuple(
+        [
+            tuple(map(way, cell.modes(name), taken))
+            for name, taken in zip(cell.tasks, dues or nothing, strict=True)
+        ]
+    )
+
+
+Dues = list[list[tuple[tuple[int, int], ...]]]
+"""`[task][way]`, the dues of the way; empty where nobody has a limit."""
+
+
+def _allowances(cell: Cell, count: _Count) -> tuple[tuple[Allowance, ...], Dues]:
+    """What each limit leaves, and what each way takes of it."""
+    if not any(x.stress_limit is not None or x.limits for x in cell.operators.values()):
+        return (), []
+    modes = [(task, mode) for task in cell.tasks for mode in cell.modes(task)]
+    places = {who: number for number, who in enumerate(cell.operators)}
+    allowances: list[Allowance] = []
+    rows: list[list[tuple[int, int]]] = [[] for _ in modes]
+    for name, limit in all_limits(cell):
+        who = limit.who or ""
+        stated = [limit.due(cell, *mode).get(who, Decimal(0)) for mode in modes]
+        if name == OWN:
+            units = [count.units(float(due)) for due in stated]
+            most = min(count.units(float(limit.most)), sum(units))
+        else:
+            units, most = _in_units(stated, limit.room)
+        for row, (_, mode), due in zip(rows, modes, units, strict=True):
+            if who in mode.operators:
+                row.append((len(allowances), due))
+        allowances.append(Allowance(places[who], name, most))
+    ways = iter(rows)
+    return tuple(allowances), [[tuple(next(ways)) for _ in cell.modes(t)] for t in cell.tasks]
+
+
+def _in_units(dues: Sequence[Decimal], room: Decimal) -> tuple[list[int], int]:
+    """Dues and the room for them in whole numbers: exactly, or where decimals do not allow that
+    with dues rounded up and the room rounded down, so that the limit is never exceeded.
+    """
+    highest = sum(dues, Decimal(0))
+    # what is beyond all dues together binds nobody, and its decimals do not matter
+    most = min(room, highest)
+    scale, _ = scale_of([*dues, most], highest, MOST_DUE)
+    return [up(due * scale) for due in dues], int(most * scale)
 
 
 def _places(cell: Cell, count: _Count) -> dict[str, Any]:
@@ -920,9 +1014,6 @@ def _operators(cell: Cell, count: _Count) -> dict[str, Any]:
         "breaks": tuple(
             tuple((count.ticks(off.start), count.ticks(off.end)) for off in operator.times_off)
             for operator in operators
-        ),
-        "stress_limit": tuple(
-            None if x.stress_limit is None else count.units(x.stress_limit) for x in operators
         ),
     }
 
@@ -986,6 +1077,24 @@ def _reached(arcs: Sequence[Iterable[int]], task: int) -> set[int]:
         reached |= new
         pending += new
     return reached
+
+
+def scale_of(
+    numbers: Sequence[Decimal], highest: Decimal | int, largest: int
+) -> tuple[Decimal, bool]:
+    """Units in 1, and whether they make every number whole: the least power of ten that does, or as
+    many as keep `highest` below `largest`.
+    """
+    exponents = [number.normalize().as_tuple().exponent for number in numbers if number]
+    scale = Decimal(10) ** max([0, *(-int(e) for e in exponents if int(e) < 0)])
+    if highest * scale <= largest:
+        return scale, True
+    return Decimal(10) ** int((Decimal(largest) / highest).logb()), False
+
+
+def up(number: Decimal) -> int:
+    """The next whole number."""
+    return int(number.to_integral_value(ROUND_CEILING))
 
 
 def _whole(number: float, scale: int) -> int:

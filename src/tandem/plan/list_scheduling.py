@@ -26,6 +26,7 @@ class Step(NamedTuple):
       preparations: `(operator, what it needs before the task)`, of those who need a tool or a place
         for it that may cost time.
       scarce: `(tool, how many of it)`, of the tools that not all can have at once.
+      dues: what it takes of allowances, as those of a way.
       side: which of the kinds that the task's zone keeps apart its operators are; -1 for none.
     """
 
@@ -37,6 +38,7 @@ class Step(NamedTuple):
     preparations: tuple[tuple[int, Preparation], ...]
     scarce: tuple[tuple[int, int], ...]
     side: int = -1
+    dues: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -108,10 +110,10 @@ class Layout:
 
     @cached_property
     def must(self) -> tuple[tuple[int, ...], ...]:
-        """Per task and operator, the least stress that any step of the task puts on them."""
-        operators = range(len(self.instance.operators))
+        """Per task and allowance, the least that any step of the task takes of it."""
+        numbers = range(len(self.instance.allowances))
         return tuple(
-            tuple(min((_load(step, o) for step in row), default=0) for o in operators)
+            tuple(min((dict(step.dues).get(n, 0) for step in row), default=0) for n in numbers)
             for row in self.steps
         )
 
@@ -153,8 +155,9 @@ class PartialSchedule:
       stance: per operator, what it has in hand, see `Instance.stance`.
       ready: per task, the latest of its release and the ends of its placed predecessors, waits
         after them included; `waiting` counts the others.
-      load: stress per operator so far; `stress` their sum.
-      need: per operator, stress that the tasks not yet placed put on them at least.
+      stress: units so far, of all operators.
+      taken: per allowance, what the placed tasks take of it; `need` what those not yet placed take
+        at least.
     """
 
     __slots__ = (
@@ -164,13 +167,13 @@ class PartialSchedule:
         "free",
         "instance",
         "layout",
-        "load",
         "need",
         "operators_of",
         "ready",
         "stance",
         "start",
         "stress",
+        "taken",
         "tool_free",
         "waiting",
         "way",
@@ -192,17 +195,13 @@ class PartialSchedule:
         self.begun = 0
         self.apart_free = [[0] * (max(row, default=-1) + 1) for row in instance.zone_apart]
         self.operators_of: dict[int, tuple[int, ...]] = {}
-        self.load = [0] * operators
         self.stress = 0
-        self.need = (
-            [sum(row[o] for row in layout.must) for o in range(operators)]
-            if instance.has_limits
-            else [0] * operators
-        )
+        self.taken = [0] * len(instance.allowances)
+        self.need = [sum(column) for column in zip(*layout.must, strict=True)]
 
     def steps(self, task: int) -> tuple[Step, ...]:
-        """The task's steps that keep stress limits, stay with the operators of its team and are not
-        barred by a part that a machine holds. May be empty; `is_held_up` says whether that can
+        """The task's steps that keep people's limits, stay with the operators of its team and are
+        not barred by a part that a machine holds. May be empty; `is_held_up` says whether that can
         change.
         """
         steps = self._allowed(task)
@@ -260,9 +259,8 @@ class PartialSchedule:
         instance, end = self.instance, start + step.ticks
         self.start[task], self.end[task], self.way[task] = start, end, step.way
         team = instance.team[task]
-        for operator, load in zip(step.operators, step.load, strict=True):
+        for operator in step.operators:
             self.free[operator] = end
-            self.load[operator] += load
         if step.preparations:
             stance = self.stance
             for operator, preparation in step.preparations:
@@ -274,10 +272,8 @@ class PartialSchedule:
         # the first task of those that need the same operators settles them for the others
         if team >= 0:
             self.operators_of[team] = step.operators
-        # what the task puts on operators whoever does it was set aside; now it stands in the load
         if instance.has_limits:
-            must = self.layout.must[task]
-            self.need = [need - own for need, own in zip(self.need, must, strict=True)]
+            self._take_allowances(task, step)
         for after in instance.behind[task]:
             if self.ready[after] < end:
                 self.ready[after] = end
@@ -301,6 +297,13 @@ class PartialSchedule:
         if step.side >= 0:
             kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
             kinds[step.side] = max(kinds[step.side], end)
+
+    def _take_allowances(self, task: int, step: Step) -> None:
+        """What the task takes whoever does it was set aside; now it is taken."""
+        for number, due in step.dues:
+            self.taken[number] += due
+        must = self.layout.must[task]
+        self.need = [need - own for need, own in zip(self.need, must, strict=True)]
 
     def _pass_on_waits(self, task: int, start: int, end: int) -> None:
         for lag in self.instance.lags_from[task]:
@@ -337,15 +340,11 @@ class PartialSchedule:
         return max(moments)
 
     def _within_limits(self, task: int, step: Step) -> bool:
-        must, limits = self.layout.must[task], self.instance.stress_limit
-        for operator, load in zip(step.operators, step.load, strict=True):
-            limit = limits[operator]
-            if (
-                limit is not None
-                and self.load[operator] + load + self.need[operator] - must[operator] > limit
-            ):
-                return False
-        return True
+        must, allowances = self.layout.must[task], self.instance.allowances
+        return all(
+            self.taken[number] + due + self.need[number] - must[number] <= allowances[number].most
+            for number, due in step.dues
+        )
 
     def _behind_breaks(self, step: Step, start: int) -> int:
         breaks, moved = self.instance.breaks, True
@@ -367,7 +366,7 @@ def append_in_order(
     layout: Layout, order: Sequence[int], steps: Sequence[Step]
 ) -> PartialSchedule | None:
     """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors, and what
-    is waited for, come first; stress limits and teams are not looked at.
+    is waited for, come first; limits of people and teams are not looked at.
 
     A task that a machine's part bars comes when it has been taken out; None when some never can.
     A task that another one must follow within a time is put off as long as that one comes too
@@ -458,6 +457,7 @@ def _steps(instance: Instance, task: int) -> list[Step]:
                 preparations=instance.prepared(task, way),
                 scarce=instance.scarce(way),
                 side=max(sides, default=-1),
+                dues=way.dues,
             )
     return list(best.values())
 
@@ -479,7 +479,3 @@ def _shared_by_teams(team: Sequence[int], steps: list[list[Step]]) -> list[list[
         row if team[task] < 0 else [step for step in row if step.operators in shared[team[task]]]
         for task, row in enumerate(steps)
     ]
-
-
-def _load(step: Step, operator: int) -> int:
-    return step.load[step.operators.index(operator)] if operator in step.operators else 0

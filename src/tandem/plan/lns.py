@@ -79,7 +79,9 @@ def take_out(
         in_hand=fixed.in_hand,
         stands=fixed.stands,
         breaks=fixed.breaks(instance),
-        stress_limit=_limits_left(cut),
+        allowances=instance.allowances_left(
+            instance.taken(cut.way(task) for task in (*cut.before, *cut.behind))
+        ),
         **instance.still_held(cut.free, bits(cut.before)),
     )
     start_by = tuple(cut.start_by(task) for task in cut.free)
@@ -263,21 +265,6 @@ def _chains(cut: _Cut, movers: frozenset[int]) -> dict[int, list[int]]:
                     chain.setdefault(task, []).append(last[operator])
                 last[operator] = task
     return chain
-
-
-def _limits_left(cut: _Cut) -> tuple[int | None, ...]:
-    """Per operator, the stress that what is outside the stretch leaves; None for no limit."""
-    limits = cut.instance.stress_limit
-    if not cut.instance.has_limits:
-        return limits
-    used = [0] * len(limits)
-    for task in (*cut.before, *cut.behind):
-        way = cut.way(task)
-        for operator, load in zip(way.operators, way.load, strict=True):
-            used[operator] += load
-    return tuple(
-        None if limit is None else limit - spent for limit, spent in zip(limits, used, strict=True)
-    )
 
 
 def plan_anew(

@@ -288,9 +288,7 @@ class States:
         """Takes a schedule that knows precedence and operators only, if it can be made to keep the
         other rules too.
         """
-        if self.instance.same_operator or any(
-            limit is not None for limit in self.instance.stress_limit
-        ):
+        if self.instance.same_operator or self.instance.has_limits:
             return False
         order = by_start(self.instance, starts)
         sound = append(self.layout, order, [way for way, _ in starts])

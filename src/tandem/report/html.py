@@ -35,7 +35,7 @@ from tandem.report.sources import assumptions, made
 from tandem.report.svg_front import front_chart
 from tandem.report.svg_gantt import gantt
 from tandem.report.svg_graph import chain_words, graph
-from tandem.report.tables import balance, doubt, plans, steps, table, tasks
+from tandem.report.tables import balance, doubt, plans, steps, table, tasks, used_limits
 from tandem.schedule.critical import critical_path
 
 
@@ -244,6 +244,7 @@ def _plan(front: Front, place: int, t: Words, point: int | None, stale: bool) ->
             "div",
             tag("h3", t("balance.title")),
             balance(front.cell, result.schedule, t),
+            used_limits(front.cell, result.schedule, t),
             class_="keep extra",
         ),
         tag(

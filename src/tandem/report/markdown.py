@@ -12,6 +12,7 @@ from tandem.plan.result import Front, Result
 from tandem.report.html import summary
 from tandem.report.instructions import Row, columns, instructed, origin, rules, steps
 from tandem.report.language import Words, words
+from tandem.report.limits import limit_heads, used_of_limits
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, status
@@ -47,6 +48,10 @@ def markdown(
             stress=t.number(result.stress),
         )
         parts += [f"## {title}", f"*{escaped(imprint(result, t, stale=stale))}*", _steps(result, t)]
+        if told := used_of_limits(result.cell, result.schedule):
+            parts += [f"### {t('limits.title')}"]
+            rows = [list(map(escaped, one.words(t))) for one in told]
+            parts += [table(limit_heads(t), rows)]
         plan = "; ".join([title, *remarks(result, t, stale=stale)])
         parts += [
             part

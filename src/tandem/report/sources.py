@@ -11,6 +11,7 @@ from tandem.draw.style import looks
 from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front, Status
 from tandem.report.language import Words
+from tandem.report.limits import assumed as limits_assumed
 from tandem.report.waits import wait_words
 
 
@@ -86,6 +87,7 @@ def assumptions(front: Front | CycleFront, t: Words) -> list[str]:
     found += [t(about_breaks, breaks=", ".join(breaks))] if breaks else []
     found += [t(about_setup, setups=", ".join(setups))] if setups else []
     found += [t("assume.limits", limits=", ".join(limits))] if limits else []
+    found += limits_assumed(cell, t)
     found += (
         [t("assume.same", pairs=", ".join(f"{a} + {b}" for a, b in cell.same_operator))]
         if cell.same_operator

@@ -9,6 +9,7 @@ from tandem.draw.style import Look, looks, task_label
 from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
+from tandem.report.limits import limit_heads, used_of_limits
 from tandem.report.markup import Markup, hatch_id, join, tag
 from tandem.report.waits import wait_words
 from tandem.schedule.critical import critical_path, slack
@@ -213,6 +214,24 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         ]
         rows.append(tag("tr", *cells))
     return table(heads, rows, t("balance.title"))
+
+
+def used_limits(cell: Cell, schedule: Schedule, t: Words) -> Markup:
+    """One row a limit of a person: what is used of it. Nothing where nobody has `limits`."""
+    rows = [
+        tag(
+            "tr",
+            tag("th", who, scope="row"),
+            tag("td", measure),
+            *(tag("td", number, class_="number") for number in numbers),
+        )
+        for who, measure, *numbers in (one.words(t) for one in used_of_limits(cell, schedule))
+    ]
+    if not rows:
+        return Markup("")
+    title = t("limits.title")
+    said = [(head, "number" if place > 1 else "") for place, head in enumerate(limit_heads(t))]
+    return tag("div", tag("h4", title), table(said, rows, title))
 
 
 def _spent(parts: tuple[float, float, float], total: float, words: str, fill: str) -> Markup:

@@ -14,6 +14,7 @@ from tandem.draw.style import contrast, looks
 from tandem.plan.result import Front, Result
 from tandem.report.instructions import Row, columns, instructed, origin, rules, steps
 from tandem.report.language import Words, words
+from tandem.report.limits import limit_heads, used_of_limits
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_values
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import between, doubt, named, shown_plans, status
@@ -226,6 +227,12 @@ def _balance(sheet: Worksheet, top: int, cell: Cell, schedule: Schedule, t: Word
                 loads.get(name),
             ],
         )
+    if told := used_of_limits(cell, schedule):
+        top += len(cell.operators) + 3
+        put(sheet, top - 1, 1, t("limits.title"), bold=True)
+        write_header(sheet, top, limit_heads(t), [])
+        for row, one in enumerate(told, top + 1):
+            write_row(sheet, row, [*one, one.value / one.most if one.most else None])
 
 
 def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:

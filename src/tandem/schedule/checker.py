@@ -17,6 +17,7 @@ from math import isfinite, nan
 from operator import attrgetter
 from typing import Literal, NamedTuple
 
+from tandem.cell.burdens import costs, named
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode, Operator
 from tandem.schedule.measures import (
@@ -403,6 +404,35 @@ def stress_limits_are_kept(judged: Judged) -> Iterator[str]:
             )
 
 
+def limits_of_a_person_are_kept(judged: Judged) -> Iterator[str]:
+    cell = judged.cell
+    for name, operator in cell.operators.items():
+        for key, most in operator.limits.items():
+            measure, limit = named(key, cell), exact(most)
+            values = [
+                (cost[name], row.task)
+                for row in judged.rows
+                if row.mode and name in (cost := costs(cell, measure, row.task, row.mode))
+            ]
+            per_shift = exact(cell.cycles_per_shift or 1.0) if measure.what == "dose" else 1
+            shares = [Decimal(0), *(value * per_shift for value, _ in values)]
+            total = max(shares) if measure.what == "peak" else sum(shares, Decimal(0))
+            if total > limit:
+                hardest = ", ".join(
+                    f"{task!r} {_short(value * per_shift)}"
+                    for value, task in sorted(values, reverse=True)[:3]
+                )
+                yield (
+                    f"operator {name!r}: comes to {_short(total)} of {key}, the limit is"
+                    f" {num(limit)} (most from {hardest})."
+                )
+
+
+def _short(number: Decimal) -> str:
+    """Six digits: damage has many more."""
+    return f"{float(number):.6g}"
+
+
 def pairs_have_the_same_operators(judged: Judged) -> Iterator[str]:
     for first, second in judged.cell.same_operator:
         for one in judged.of_task.get(first, ()):
@@ -471,6 +501,7 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
     kinds_are_kept_apart,
     machines_hold_their_part,
     stress_limits_are_kept,
+    limits_of_a_person_are_kept,
     pairs_have_the_same_operators,
     the_set_of_human_tasks_is_listed,
     the_makespan_is_within_its_limit,

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, Decimal
 from functools import cached_property
 
+from tandem.cell.burdens import adds_up
 from tandem.cell.model import Cell
 from tandem.schedule import measures
 from tandem.schedule.measures import exact
@@ -110,7 +111,7 @@ def copied(cell: Cell, count: int) -> Cell:
 
 def combined(products: Sequence[Cell], *, one_allocation: bool = False) -> Cell:
     """The cell that makes these products, of one station: the tasks of each, with the rules that
-    hold within it. Limits on stress hold for all of them together.
+    hold within it. Limits of people hold for all of them together, but for those of one task.
 
     A table of stress by sets says nothing about several products, and is left out.
 
@@ -146,6 +147,10 @@ def combined(products: Sequence[Cell], *, one_allocation: bool = False) -> Cell:
     for operator in document["operators"].values():
         if "stress_limit" in operator:
             operator["stress_limit"] *= len(products)
+        for name in operator.get("limits", ()):
+            if adds_up(name):
+                # without the dust that multiplying floats leaves
+                operator["limits"][name] = round(operator["limits"][name] * len(products), 6)
     document.pop("stress_of_set", None)
     document.pop("variants", None)
     return Cell.model_validate(document)

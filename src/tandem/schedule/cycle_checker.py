@@ -34,11 +34,12 @@ WITHIN_A_PRODUCT: tuple[Callable[[Judged], Iterator[str]], ...] = (
     checker.predecessors_end_first,
     checker.waits_are_kept,
     checker.stress_limits_are_kept,
+    checker.limits_of_a_person_are_kept,
     checker.pairs_have_the_same_operators,
     checker.the_set_of_human_tasks_is_listed,
     checker.the_stress_is_within_its_limit,
 )
-"""The rules that ask about one product only; limits on stress are limits for each product."""
+"""The rules that ask about one product only; limits of people are limits for each product."""
 
 
 def faults(

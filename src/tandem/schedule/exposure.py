@@ -22,13 +22,11 @@ the rise in proportion to the value is ours). The rates have no universal values
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
-from difflib import get_close_matches
-from functools import cached_property
+from decimal import Decimal
 
-from tandem.cell.exposures import kind
+from tandem.cell.burdens import OWN, Measure, costs, named, number_in
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
 from tandem.errors import UsageError
@@ -37,142 +35,6 @@ from tandem.schedule.model import Schedule
 
 SHIFT_S = 28_800.0
 """Seconds of a shift when none is stated: eight hours."""
-
-NUMBERS = {
-    "sum": 0,
-    "dose": 0,
-    "peak": 0,
-    "time-above": 1,
-    "time-weighted": 0,
-    "fatigue": 2,
-}
-"""Measure -> how many numbers stand behind its scale."""
-
-OWN = "stress"
-"""The scale that the cell's own numbers are."""
-
-
-@dataclass(frozen=True)
-class Measure:
-    """A measure by its name.
-
-    Attributes:
-      what: a key of `NUMBERS`. `scale` is what it reads, `numbers` what stands behind the scale.
-      of_worst: it is that of the person who has most.
-    """
-
-    what: str
-    scale: str
-    numbers: tuple[Decimal, ...] = ()
-    of_worst: bool = False
-
-    @cached_property
-    def name(self) -> str:
-        """As it is written on the command line and in documents."""
-        if self.what == "sum":
-            return "worst:stress" if self.of_worst else "stress"
-        parts = [self.what, self.scale, *(f"{number:f}" for number in self.numbers)]
-        return ":".join(["worst", *parts] if self.of_worst else parts)
-
-    @property
-    def per_makespan(self) -> bool:
-        """Its value is what the allocation decides, over the makespan."""
-        return self.what in ("dose", "time-weighted")
-
-    @property
-    def of_highest(self) -> bool:
-        """Of several people it is that of the one who has most, and not the sum."""
-        return self.of_worst or self.what in ("peak", "fatigue")
-
-
-def named(name: str, cell: Cell) -> Measure:
-    """The measure of this name for the cell. Raises UsageError when there is none, or the cell has
-    nothing on its scale.
-    """
-    parts = name.strip().split(":")
-    of_worst = parts[0] == "worst" and len(parts) > 1
-    if of_worst:
-        parts = parts[1:]
-    if cell.stress_of_set is not None and (of_worst or len(parts) > 1) and OWN in parts:
-        raise UsageError(
-            f"measure {name!r}: the cell states its stress by sets of tasks (stress_of_set), not"
-            " task by task. Take the measure stress, or one of another scale."
-        )
-    if parts in (["stress"], ["sum"]):
-        return Measure("sum", OWN, (), of_worst)
-    what, scale, rest = parts[0], parts[1] if len(parts) > 1 else "", parts[2:]
-    if what not in NUMBERS:
-        near = get_close_matches(what, NUMBERS, 1, 0.5)
-        told = f"Did you mean {near[0]!r}? " if near else ""
-        raise UsageError(
-            f"there is no measure {name!r}. {told}There are stress, dose:SCALE, peak:SCALE,"
-            " time-weighted:SCALE, time-above:SCALE:LEVEL, fatigue:SCALE:RISE:RECOVERY, and"
-            " worst:MEASURE."
-        )
-    if what == "sum" or not scale or len(rest) != NUMBERS[what]:
-        forms = {"time-above": "time-above:SCALE:LEVEL", "fatigue": "fatigue:SCALE:RISE:RECOVERY"}
-        form = "stress" if what == "sum" else forms.get(what, f"{what}:SCALE")
-        raise UsageError(f"measure {name!r}: write it as {form}.")
-    _fits(name, what, scale, cell)
-    return Measure(what, scale, tuple(_number(name, text) for text in rest), of_worst)
-
-
-def _fits(name: str, what: str, scale: str, cell: Cell) -> None:
-    known = scales(cell)
-    if scale not in known:
-        told = ", ".join(known)
-        raise UsageError(
-            f"measure {name!r}: no task of the cell has a value on the scale {scale!r}. It has"
-            f" {told}; state `ergonomics` of its tasks."
-        )
-    is_dose = scale == OWN or kind(scale) == "dose"
-    if what == "dose" and not is_dose:
-        raise UsageError(
-            f"measure {name!r}: {scale} only ranks, and ranks are not added. Take peak:{scale},"
-            f" time-above:{scale}:LEVEL or time-weighted:{scale}."
-        )
-
-
-def _number(name: str, text: str) -> Decimal:
-    try:
-        number = Decimal(text)
-    except InvalidOperation:
-        number = Decimal("NaN")
-    if not number.is_finite() or number < 0:
-        raise UsageError(f"measure {name!r}: {text!r} must be a number, 0 or more.")
-    return number
-
-
-def scales(cell: Cell) -> list[str]:
-    """The scales on which some task of the cell has a value; the cell's own stress is the first."""
-    return [OWN, *cell.exposures]
-
-
-def worth(cell: Cell, scale: str, task: str, mode: Mode) -> dict[str, Decimal]:
-    """Human -> what one execution of the task in this mode is on the scale; who has no value there
-    is left out.
-    """
-    if scale == OWN:
-        return {human: exact(load) for human, load in mode.stress.items()}
-    stated = cell.exposures.get(scale, {})
-    return {who: stated[task, who] for who in mode.stress if (task, who) in stated}
-
-
-def costs(cell: Cell, measure: Measure, task: str, mode: Mode) -> dict[str, Decimal]:
-    """Human -> what the task in this mode adds to the measure of a cycle, or of `peak` what it is.
-
-    Of `time-weighted` it is value x seconds, of `fatigue` RISE x value x minutes: the exponent of
-    its envelope, see `envelope`.
-    """
-    found = worth(cell, measure.scale, task, mode)
-    seconds = exact(mode.time)
-    if measure.what == "time-above":
-        return {who: seconds for who, value in found.items() if value >= measure.numbers[0]}
-    if measure.what == "time-weighted":
-        return {who: value * seconds for who, value in found.items()}
-    if measure.what == "fatigue":
-        return {who: measure.numbers[0] * value * seconds / 60 for who, value in found.items()}
-    return found
 
 
 def by_person(
@@ -235,26 +97,26 @@ class Limit:
 
     Attributes:
       who: a human; everybody when None.
+      cycles: products of a shift, which a dose counts; needed where it is one.
     """
 
     measure: Measure
     most: Decimal
     who: str | None = None
+    cycles: float | None = None
 
     @property
     def words(self) -> str:
         """As it is written on the command line."""
         return f"{self.measure.name}{f'@{self.who}' if self.who else ''}={self.most:f}"
 
-    def per_cycle(self, cycles: float | None) -> Decimal:
+    @property
+    def per_cycle(self) -> Decimal:
         """What the `costs` of a person in one cycle may come to: exactly the limit, and of fatigue
         what keeps its envelope, so that it is kept however little they rest.
-
-        Args:
-          cycles: products of a shift; needed for a dose.
         """
         if self.measure.what == "dose":
-            return self.most / exact(cycles or 1.0)
+            return self.most / exact(self.cycles or 1.0)
         if self.measure.what == "fatigue":
             if self.most >= 1:
                 return Decimal("Infinity")
@@ -262,9 +124,25 @@ class Limit:
             return Decimal(repr(-math.log1p(-float(self.most)))) * (1 - Decimal("1e-12"))
         return self.most
 
-    def faults(self, cell: Cell, schedule: Schedule, cycles: float | None) -> list[str]:
+    def due(self, cell: Cell, task: str, mode: Mode) -> dict[str, Decimal]:
+        """Human -> what the task in this mode takes of their `room`, of those whom it holds for."""
+        found = costs(cell, self.measure, task, mode)
+        if self.measure.what == "peak":
+            found = {who: Decimal(value > self.most) for who, value in found.items()}
+        if self.measure.what == "dose":
+            found = {who: value * exact(self.cycles or 1.0) for who, value in found.items()}
+        return {who: value for who, value in found.items() if self.who in (None, who)}
+
+    @property
+    def room(self) -> Decimal:
+        """What the `due` of all that a person does may come to. Of a peak it is 0, and a task above
+        the limit takes 1: so every limit of `KEEPABLE` is kept by one running sum.
+        """
+        return Decimal(0) if self.measure.what == "peak" else self.most
+
+    def faults(self, cell: Cell, schedule: Schedule) -> list[str]:
         """What is wrong with a schedule, by the exact formula; in sentences."""
-        people = by_person(cell, schedule, self.measure, cycles=cycles)
+        people = by_person(cell, schedule, self.measure, cycles=self.cycles)
         return [
             f"operator {who!r}: comes to {has:.6g} of {self.measure.name}, the limit is"
             f" {self.most:f}."
@@ -298,7 +176,18 @@ def limit_of(text: str, cell: Cell, cycles: float | None) -> Limit:
             f"limit {text!r}: say how many products a shift makes, --cycles-per-shift N: a dose is"
             " that of a shift."
         )
-    return Limit(measure, _number(name, most), who or None)
+    return Limit(measure, number_in(name, most), who or None, cycles)
+
+
+def all_limits(cell: Cell) -> Iterator[tuple[str, Limit]]:
+    """What each person of the cell may have at most, with its name among their `limits`; of a
+    `stress_limit`, which comes first, that is `stress`.
+    """
+    for who, operator in cell.operators.items():
+        if operator.stress_limit is not None:
+            yield OWN, Limit(Measure("sum", OWN), exact(operator.stress_limit), who)
+        for name, most in operator.limits.items():
+            yield name, Limit(named(name, cell), exact(most), who, cell.cycles_per_shift)
 
 
 def envelope(cost: Decimal) -> float:

@@ -3,8 +3,8 @@
 
 Axes: `T` tasks and `O` operators in the cell's order; `W` ways, every way of doing every task, in
 the order of the tasks and then of `cell.modes(task)`; `U` tools, `Z` zones, `B` breaks per
-operator, `S` listed sets, `L` waits. What a cell does not say has an axis of length 0, and what it
-would cost is not computed.
+operator, `S` listed sets, `L` waits, `A` limits of people. What a cell does not say has an axis of
+length 0, and what it would cost is not computed.
 """
 
 from __future__ import annotations
@@ -70,9 +70,10 @@ class Arrays(NamedTuple):
     costs nothing. place: `[T]` int32, where the task is done, -1 for anywhere; `[0]` when nobody
     needs time to walk. walk: `[O, P, P]` int32, how long the operator takes from the first to the
     second of `P` places; `[O, 0, 0]` when nobody needs time to walk.
-    break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer. limit: `[O]`
-    int32, the most stress, NEVER for who has no limit; `[0]` when nobody has one. must: `[T, O]`
-    int32, the least stress that the task puts on the operator in any of its ways. same: `[T, T]`
+    break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer. limit: `[A]`
+    int32, of each limit of a person what all that they do may take of it; `[0]` when nobody has
+    one. due: `[W, A]` int32, what the way takes; owes: `[W, A]` bool, the person takes part. must:
+    `[T, A]` int32, the least that the task takes in any of its ways. same: `[T, T]`
     bool, True where two different tasks must be done by the same operators; `[0, 0]` when there are
     none. sets, set_stress: `[S, T]` bool and `[S]` int32: the cell's `stress_of_set`. undo: `[W]`
     int32, how long the disassembly takes of what was mounted wrongly; `[0]` when nobody makes
@@ -115,6 +116,8 @@ class Arrays(NamedTuple):
     break_from: Array
     break_to: Array
     limit: Array
+    due: Array
+    owes: Array
     must: Array
     same: Array
     sets: Array
@@ -317,7 +320,11 @@ def _operators(names: Names, layout: Layout) -> dict[str, Any]:
     rest = np.full((len(instance.operators), max(map(len, instance.breaks)), 2), NEVER, np.int64)
     for row, breaks in zip(rest, instance.breaks, strict=True):
         row[: len(breaks)] = np.array(breaks, np.int64).reshape(-1, 2)
-    limits = instance.stress_limit if instance.has_limits else ()
+    due = np.zeros((sum(map(len, instance.ways)), len(instance.allowances)), np.int64)
+    owes = np.zeros(due.shape, bool)
+    for place, way in enumerate(way for ways in instance.ways for way in ways):
+        for number, units in way.dues:
+            due[place, number], owes[place, number] = units, True
     return {
         "human": np.array(instance.human),
         "rank": np.argsort(order),
@@ -325,8 +332,10 @@ def _operators(names: Names, layout: Layout) -> dict[str, Any]:
         "stands": np.array([-1 if place is None else place for place in instance.stands]),
         "break_from": rest[..., 0],
         "break_to": rest[..., 1],
-        "limit": np.array([NEVER if limit is None else limit for limit in limits], np.int64),
-        "must": np.array(layout.must),
+        "limit": np.array([allowance.most for allowance in instance.allowances], np.int64),
+        "due": due,
+        "owes": owes,
+        "must": np.array(layout.must, np.int64).reshape(len(instance.tasks), -1),
     }
 
 

@@ -16,8 +16,8 @@ schedules:
   of the clock and, for each operator, the end of its last work or break plus the way and the
   changeover.
 - No break may lie between the beginning of a walk or a changeover and the nominal end of the task.
-- Stress limits, `same_operator` and `stress_of_set` rule out what would break them now or, as far
-  as the least stress of the tasks that are left tells, later. Deadlines, and what a wait may last
+- Limits of people, `same_operator` and `stress_of_set` rule out what would break them now or, as
+  far as the least of the tasks that are left tells, later. Deadlines, and what a wait may last
   at most, rule out nothing; `late` reports them.
 
 At one moment the humans decide first, then the robots (`turn`); each sees what has begun before it.
@@ -74,7 +74,8 @@ class State(NamedTuple):
 def reset(arrays: Arrays) -> State:
     """The assembly before anything has begun, at clock 0."""
     xp = namespace(arrays.way_ticks)
-    (tasks, operators), mistakes = arrays.must.shape, arrays.above.shape[0]
+    tasks, operators = arrays.release.shape[0], arrays.human.shape[0]
+    mistakes = arrays.above.shape[0]
     return State(
         clock=xp.zeros((), xp.int32),
         way=xp.full(tasks, -1, xp.int32),
@@ -502,23 +503,21 @@ def _is_clear_of_breaks(xp: Any, arrays: Arrays, state: State) -> Array | None:
 
 
 def _keeps_limits(xp: Any, arrays: Arrays, state: State) -> Array | None:
-    """Nobody's stress passes its limit, with the least that the tasks which are left will bring.
-    What mistakes bring on top does not count.
+    """Nobody passes a limit of theirs, with the least that the tasks which are left will take of
+    it. What mistakes bring on top does not count.
     """
     if not arrays.limit.shape[0]:
         return None
-    load = state.load
-    if arrays.undo.shape[0]:
-        stands = (
-            xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
-        ).any(axis=1)
-        load = xp.where(stands[:, None], arrays.way_load, 0).sum(axis=0, dtype=xp.int32)
+    stands = (
+        xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    ).any(axis=1)
+    taken = xp.where(stands[:, None], arrays.due, 0).sum(axis=0, dtype=xp.int32)
     ahead = xp.where((state.way < 0)[:, None], arrays.must, 0).sum(axis=0, dtype=xp.int32)
     own = xp.where(arrays.of_task[:, :, None], arrays.must[None, :, :], 0).sum(
         axis=1, dtype=xp.int32
     )
-    within = (load + ahead)[None, :] - own + arrays.way_load <= arrays.limit[None, :]
-    kept = ~(arrays.way_uses & ~within).any(axis=1)
+    within = (taken + ahead)[None, :] - own + arrays.due <= arrays.limit[None, :]
+    kept = ~(arrays.owes & ~within).any(axis=1)
     return kept | _for_tasks(xp, arrays, mounted(state)) if arrays.undo.shape[0] else kept
 
 

@@ -210,7 +210,7 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
         wrong & done,
         0 if moves.timeless else round(situation.now * cell.per_second),
         _stances(cell, situation) if cell.has_preparations else (),
-        _loads(cell, situation) if cell.has_limits else (),
+        _taken(moves, situation) if cell.has_limits else (),
         _teams(cell, situation) if cell.has_teams else (),
         _waits(cell, situation) if cell.has_lags else (),
     )
@@ -310,9 +310,14 @@ def _stances(instance: Instance, situation: Situation) -> tuple[int, ...]:
     )
 
 
-def _loads(instance: Instance, situation: Situation) -> tuple[int, ...]:
-    load = situation.load
-    return tuple(round(load.get(name, 0.0) * instance.per_stress) for name in instance.operators)
+def _taken(moves: Moves, situation: Situation) -> tuple[int, ...]:
+    """What stands and runs has taken of allowances. What must come off does not count: it is
+    counted when it is done again.
+    """
+    begun = {task: work.operators for task, work in situation.done.items()}
+    begun |= {task: at.operators for task, at in situation.running.items() if not at.undoing}
+    ways = (moves.flat(task, operators) for task, operators in begun.items())
+    return tuple(moves.instance.taken(moves.modes[way] for way in ways if way is not None))
 
 
 def _teams(instance: Instance, situation: Situation) -> tuple[tuple[int, int], ...]:

@@ -88,7 +88,7 @@ def rest(
         lags=left.lags(with_most=due is not None),
         **left.stances(),
         breaks=left.breaks(),
-        stress_limit=left.stress_limit(),
+        allowances=full.allowances_left(position.taken),
         **left.holds(),
     )
     return Rest(instance, left.tasks, tuple(tuple(number for _, number in row) for row in rows))
@@ -144,7 +144,7 @@ class _Left:
         if task in self.fixed:
             way, ticks = self.fixed[task]
             mode = moves.modes[way]
-            return [(replace(mode, ticks=ticks, load=(0,) * len(mode.operators)), -1)]
+            return [(replace(mode, ticks=ticks, load=(0,) * len(mode.operators), dues=()), -1)]
         open_ = moves.ways[task]
         # A team that has begun goes on; where that leaves nothing, anybody is better than nobody.
         team = dict(self.position.teams).get(moves.instance.team[task])
@@ -240,15 +240,6 @@ class _Left:
             away = [(0, self.away[operator])] if operator in self.away else []
             rows.append(tuple(sorted([*ahead, *away])))
         return tuple(rows)
-
-    def stress_limit(self) -> tuple[int | None, ...]:
-        """What each operator may still collect."""
-        limits = self.moves.instance.stress_limit
-        load = self.position.load or (0,) * len(limits)
-        return tuple(
-            None if limit is None else max(0, limit - spent)
-            for limit, spent in zip(limits, load, strict=True)
-        )
 
 
 def sketch(

@@ -14,10 +14,11 @@ from functools import cached_property
 from itertools import accumulate
 from typing import Any, NamedTuple
 
+from tandem.cell.burdens import OWN
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.plan.bounds import WorkPrices
-from tandem.plan.instance import Instance, Preparation, Way, bits
+from tandem.plan.instance import Allowance, Instance, Preparation, Way, bits
 from tandem.plan.list_scheduling import Layout
 
 PER_SECOND = 1000
@@ -35,7 +36,8 @@ class Position(NamedTuple):
       clock: ticks since the start; 0 where no rule of the cell looks at the clock.
       stance: per operator, what it has in hand, see `Instance.stance`; empty where nobody needs
         time to get ready for a task.
-      load: stress units per operator so far; empty where nobody has a limit.
+      taken: per allowance, what the work that stands or runs has taken of it; empty where nobody
+        has a limit.
       teams: `(team, operators)` of the `same_operator` teams that have begun, sorted.
       waits: `(number of the wait, ticks left)` of the waits after other tasks that last still,
         sorted; at least 1 tick is left.
@@ -46,7 +48,7 @@ class Position(NamedTuple):
     wrong: int = 0
     clock: int = 0
     stance: tuple[int, ...] = ()
-    load: tuple[int, ...] = ()
+    taken: tuple[int, ...] = ()
     teams: tuple[tuple[int, int], ...] = ()
     waits: tuple[tuple[int, int], ...] = ()
 
@@ -69,8 +71,7 @@ class Moves:
       ways: per task, the ways of doing it that are open.
       instance: the layout's. `modes`: the ways of doing, `count` of them.
       task: per way, its task; whoever is away is at a task of their own, behind all others.
-      who: per way, bits of its operators. `loads`: `(operator, units of stress)`; `units`: all of
-        it.
+      who: per way, bits of its operators. `dues`: `(allowance, units of it)`; `units`: of stress.
       ticks: per way, how long it takes; how long somebody is away is known to the position alone.
       price: per way, the prices of its operators together.
       preparations: per way of doing and of taking apart, `(operator, what it needs before)`, of
@@ -90,7 +91,7 @@ class Moves:
     task: tuple[int, ...] = field(init=False, repr=False)
     who: tuple[int, ...] = field(init=False, repr=False)
     ticks: tuple[int, ...] = field(init=False, repr=False)
-    loads: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
+    dues: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
     units: tuple[int, ...] = field(init=False, repr=False)
     price: tuple[int, ...] = field(init=False, repr=False)
     preparations: tuple[tuple[tuple[int, Preparation], ...], ...] = field(init=False, repr=False)
@@ -134,7 +135,7 @@ class Moves:
         stated = stated or Instance.of(cell)
         finer = max(PER_SECOND, stated.per_second) // stated.per_second
         instance = stated.scaled(finer, [(pace or {}).get(name, 1.0) for name in stated.operators])
-        layout = Layout.of(replace(instance, stress_limit=_limits(instance, max_stress)))
+        layout = Layout.of(instance if max_stress is None else _capped(instance, max_stress))
         firsts = accumulate((len(row) for row in instance.ways), initial=0)
         ways = tuple(
             tuple(sorted(first + step.way for step in row))
@@ -152,9 +153,8 @@ class Moves:
 
     def root(self) -> Position:
         """Nothing has begun."""
-        operators = len(self.instance.operators)
         stance = self.instance.stances if self.instance.has_preparations else ()
-        return Position(0, (), 0, 0, stance, (0,) * operators if self.instance.has_limits else ())
+        return Position(0, (), 0, 0, stance, (0,) * len(self.instance.allowances))
 
     def is_over(self, position: Position) -> bool:
         """Everything is done, and nothing of it must be done again."""
@@ -217,23 +217,23 @@ class Moves:
         running = tuple(sorted([*position.running, (way, left)]))
         if self.plain:
             return Position(position.done, running, position.wrong)
-        stance, load, teams = position.stance, position.load, position.teams
+        stance, taken, teams = position.stance, position.taken, position.teams
         team = self.instance.team[self.task[way]]
         if self.preparations[way]:
             moved = list(stance)
             for operator, preparation in self.preparations[way]:
                 moved[operator] = preparation[moved[operator]][1]
             stance = tuple(moved)
-        if load:
-            extra = dict(self.loads[way])
-            load = tuple(units + extra.get(o, 0) for o, units in enumerate(load))
+        if taken:
+            dues = dict(self.dues[way])
+            taken = tuple(units + dues.get(number, 0) for number, units in enumerate(taken))
         if team >= 0 and all(other != team for other, _ in teams):
             teams = tuple(sorted([*teams, (team, self.who[way])]))
         waits = position.waits
         if self.instance.has_lags and way < self.count:
             waits = self._counted(waits, self.task[way], left - self.ticks[way], from_start=True)
         return Position(
-            position.done, running, position.wrong, position.clock, stance, load, teams, waits
+            position.done, running, position.wrong, position.clock, stance, taken, teams, waits
         )
 
     def _counted(
@@ -289,7 +289,7 @@ class Moves:
             wrong,
             clock,
             position.stance,
-            position.load,
+            position.taken,
             position.teams,
             waits,
         )
@@ -432,11 +432,10 @@ class Moves:
         operators = self.modes[way % self.count].operators
         if any(team == instance.team[task] and others != who for team, others in position.teams):
             return False
-        # loads are counted only where somebody's stress has a limit
-        if position.load:
-            for operator, units in self.loads[way]:
-                limit = instance.stress_limit[operator]
-                if limit is not None and position.load[operator] + units > limit:
+        # counted only where somebody has a limit
+        if position.taken:
+            for number, due in self.dues[way]:
+                if position.taken[number] + due > instance.allowances[number].most:
                     return False
         # work and the preparation before it lie in one piece between two breaks
         if not self.timeless:
@@ -532,21 +531,25 @@ class Moves:
         return max((need[stance[o]][0] for o, need in self.preparations[way]), default=0)
 
 
-def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, ...]:
-    """Units of stress per operator; the limit over all humans is the limit of the one there is."""
-    if max_stress is None:
-        return instance.stress_limit
+def _capped(instance: Instance, max_stress: float) -> Instance:
+    """The instance with a limit over all humans: that of the one there is."""
     if sum(instance.human) > 1:
         what = (
             "a limit on the stress of several humans together cannot be kept live; give each human"
             " a stress_limit."
         )
         raise CellError([Fault(what, ("operators",))])
-    most = int(max_stress * instance.per_stress + 1e-9)
-    return tuple(
-        min(most, most if limit is None else limit) if human else limit
-        for human, limit in zip(instance.human, instance.stress_limit, strict=True)
+    one = Allowance(
+        instance.human.index(True) if any(instance.human) else 0,
+        OWN,
+        int(max_stress * instance.per_stress + 1e-9),
     )
+    number = len(instance.allowances)
+    ways = tuple(
+        tuple(replace(way, dues=(*way.dues, (number, way.stress))) for way in row)
+        for row in instance.ways
+    )
+    return replace(instance, allowances=(*instance.allowances, one), ways=ways)
 
 
 def _per_way(moves: Moves) -> dict[str, Any]:
@@ -557,7 +560,7 @@ def _per_way(moves: Moves) -> dict[str, Any]:
     task = [task for task, row in enumerate(instance.ways) for _ in row]
     who, ticks = [way.who for way in modes], [way.ticks for way in modes]
     apart = [max(1, round(one * moves.taking_apart)) for one in ticks]
-    loads = [tuple(zip(way.operators, way.load, strict=True)) for way in modes]
+    dues = [way.dues for way in modes]
     units = [way.stress for way in modes]
     prices = moves.prices.of_operator
     price = [sum(prices[operator] for operator in way.operators) for way in modes]
@@ -572,7 +575,8 @@ def _per_way(moves: Moves) -> dict[str, Any]:
         "task": (*task, *task, *(len(instance.tasks) + operator for operator in away)),
         "who": (*who, *who, *(1 << operator for operator in away)),
         "ticks": (*ticks, *apart, *(1 for _ in away)),
-        "loads": (*loads, *loads, *(() for _ in away)),
+        # what has to come off does so, whatever it takes
+        "dues": (*dues, *(() for _ in modes), *(() for _ in away)),
         "units": (*units, *units, *(0 for _ in away)),
         "price": (*price, *price, *prices),
         "preparations": (*preparations, *preparations),

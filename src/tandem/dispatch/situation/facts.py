@@ -4,14 +4,16 @@ seconds, as in the cell.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
 from tandem.cell.precedence import between
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
+from tandem.schedule.exposure import Limit, all_limits
 
 
 @dataclass(frozen=True)
@@ -26,8 +28,9 @@ class Facts:
       team: task -> the other tasks that the same operators must do.
       holds: of each machine that holds parts, `(machine, first, last, tasks within)`.
       before: task -> all that must have ended, or begun, before it starts, directly or not.
-      must: task -> operator -> the least stress that it puts on them, however it is done; only what
-        is more than 0.
+      limits: what people may have at most, their `stress_limit` among them.
+      dues: per limit, task -> `(the least that it takes however it is done, operators -> what it
+        takes when they do it)`.
       sets: the listed sets of tasks done by humans that can come about; None where stress adds up.
     """
 
@@ -35,7 +38,8 @@ class Facts:
     behind: Mapping[str, tuple[str, ...]]
     above: Mapping[str, frozenset[str]]
     team: Mapping[str, tuple[str, ...]]
-    must: Mapping[str, Mapping[str, float]]
+    limits: tuple[Limit, ...]
+    dues: tuple[Mapping[str, tuple[Decimal, Mapping[frozenset[str], Decimal]]], ...]
     holds: tuple[tuple[str, str, str, frozenset[str]], ...]
     before: Mapping[str, frozenset[str]]
     sets: tuple[frozenset[str], ...] | None
@@ -45,11 +49,13 @@ class Facts:
         """The facts of the cell."""
         layout = Layout.of(Instance.of(cell))
         names, instance = layout.instance.tasks, layout.instance
+        limits = tuple(limit for _, limit in all_limits(cell))
+        ways = {
+            task: tuple(cell.modes(task)[step.way] for step in steps)
+            for task, steps in zip(names, layout.steps, strict=True)
+        }
         return cls(
-            ways={
-                task: tuple(cell.modes(task)[step.way] for step in steps)
-                for task, steps in zip(names, layout.steps, strict=True)
-            },
+            ways=ways,
             behind={
                 task: tuple(names[after] for after in row)
                 for task, row in zip(names, instance.behind, strict=True)
@@ -63,14 +69,10 @@ class Facts:
                 )
                 for task, mine in zip(names, layout.instance.team, strict=True)
             },
-            must={
-                task: {
-                    who: instance.stress(units)
-                    for who, units in zip(instance.operators, row, strict=True)
-                    if units
-                }
-                for task, row in zip(names, layout.must, strict=True)
-            },
+            limits=limits,
+            dues=tuple(
+                {task: _dues(cell, limit, task, ways[task]) for task in ways} for limit in limits
+            ),
             holds=tuple(
                 (who, *pair, between(cell, *pair))
                 for who, operator in cell.operators.items()
@@ -79,6 +81,20 @@ class Facts:
             before=_before(instance),
             sets=_sets(layout),
         )
+
+
+def _dues(
+    cell: Cell, limit: Limit, task: str, ways: Iterable[Mode]
+) -> tuple[Decimal, Mapping[frozenset[str], Decimal]]:
+    who = limit.who or ""
+    least = min(
+        (limit.due(cell, task, way).get(who, Decimal(0)) for way in ways), default=Decimal(0)
+    )
+    # of several ways of one group the quickest counts, as `mode` takes it
+    every = sorted(cell.modes(task), key=lambda way: (-way.time, -sum(way.stress.values())))
+    return least, {
+        frozenset(way.operators): limit.due(cell, task, way).get(who, Decimal(0)) for way in every
+    }
 
 
 def _above(instance: Instance) -> dict[str, frozenset[str]]:

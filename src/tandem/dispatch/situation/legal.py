@@ -6,9 +6,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from decimal import Decimal
 
+from tandem.cell.burdens import costs
 from tandem.cell.parts import Mode, Wait
 from tandem.dispatch.situation.model import Situation, Stock, exact, mode
+from tandem.schedule.exposure import Limit
 from tandem.schedule.queues import KINDS, places_of
 
 
@@ -48,8 +51,8 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
     after other tasks have lasted as long as they must, its release has come, its tools are whole
     and its part there, all operators are there and at nothing, tools and zone have room, nobody is
     in the zone whom it keeps apart from them, no machine holds another part, no break falls into
-    walk, changeover or stated time, and refusals, stress limits (as far as the least stress of what
-    is left tells), `same_operator` and `stress_of_set` are kept. Deadlines, and what a wait may
+    walk, changeover or stated time, and refusals, limits of people (as far as the least of what is
+    left tells), `same_operator` and `stress_of_set` are kept. Deadlines, and what a wait may
     last at most, rule out nothing: late is better than never.
     """
     idle = frozenset(situation.idle)
@@ -115,7 +118,7 @@ def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
         _room,
         _apart,
         _parts_held,
-        _stress_limits,
+        _limits,
         _teams,
         _listed_sets,
     ):
@@ -339,29 +342,39 @@ def _ahead(situation: Situation, held: Held) -> set[str]:
     return ahead | {its[2] for its in _rivals(situation, held) if its[1] in before}
 
 
-def _stress_limits(situation: Situation, task: str, way: Mode) -> Iterator[str]:
-    limits = {
-        who: limit
-        for who in way.operators
-        if (limit := situation.cell.operators[who].stress_limit) is not None
-    }
-    if not limits or task in situation.wrong:
+def _limits(situation: Situation, task: str, way: Mode) -> Iterator[str]:
+    facts = situation.facts
+    mine = [n for n, limit in enumerate(facts.limits) if limit.who in way.operators]
+    if not mine or task in situation.wrong:
         return  # what has to come off does so, and what mistakes bring on top does not count
-    stands = {
-        name: at.operators
+    stands = [
+        (name, frozenset(at.operators))
         for place in (situation.wrong, situation.done, situation.running)
         for name, at in place.items()
-    }
-    loads = [mode(situation.cell, name, operators).stress for name, operators in stands.items()]
+    ]
     left = [other for other in situation.open if other != task and other not in situation.wrong]
-    for who, limit in limits.items():
-        ahead = sum(situation.facts.must[other].get(who, 0.0) for other in left)
-        total = exact(sum(load.get(who, 0.0) for load in loads) + way.stress.get(who, 0.0) + ahead)
-        if total > limit:
-            yield (
-                f"{who!r} would come to {total:g} of stress with what is left, the limit is"
-                f" {limit:g}"
-            )
+    for number in mine:
+        limit, dues = facts.limits[number], facts.dues[number]
+        has = sum((dues[name][1][who] for name, who in stands), Decimal(0))
+        ahead = sum((dues[other][0] for other in left), Decimal(0))
+        if has + dues[task][1][frozenset(way.operators)] + ahead > limit.room:
+            yield _over(situation, limit, task, way, has + ahead)
+
+
+def _over(situation: Situation, limit: Limit, task: str, way: Mode, others: Decimal) -> str:
+    """Why the limit keeps the person from the task; `others` is taken or to be taken besides."""
+    who, measure, most = limit.who, limit.measure, f"{float(limit.most):g}"
+    cell = situation.cell
+    if measure.what == "peak":
+        value = costs(cell, measure, task, way).get(who or "", Decimal(0))
+        if value > limit.most:
+            return f"{who!r} would have {float(value):g} of {measure.name}, the limit is {most}"
+        return f"{who!r} cannot keep the limit of {most} on {measure.name} in what is left"
+    total = others + limit.due(cell, task, way).get(who or "", Decimal(0))
+    return (
+        f"{who!r} would come to {float(total):.6g} of {measure.name} with what is left, the limit"
+        f" is {most}"
+    )
 
 
 def _teams(situation: Situation, task: str, way: Mode) -> Iterator[str]:

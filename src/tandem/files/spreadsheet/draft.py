@@ -371,6 +371,8 @@ def _document(
         document["tools"] = beside.tools
     more = {"zones": beside.zones, "places": beside.places, "walk": beside.walk}
     document |= {name: stated for name, stated in more.items() if stated}
+    if beside.cycles is not None:
+        document["cycles_per_shift"] = beside.cycles
     if tasks.same_operator:
         document["same_operator"] = tasks.same_operator
     if "ergonomics" in roles:

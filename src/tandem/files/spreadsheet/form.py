@@ -71,6 +71,8 @@ HEADERS: dict[Language, dict[str, str]] = {
         "operator": "operator",
         "kind": "kind",
         "stress limit": "stress limit",
+        "limits": "limits",
+        "cycles": "products per shift",
         "setup": "setup [s]",
         "breaks": "breaks [s]",
         "holds": "holds",
@@ -116,6 +118,8 @@ HEADERS: dict[Language, dict[str, str]] = {
         "operator": "Bediener",
         "kind": "Art",
         "stress limit": "Belastungsgrenze",
+        "limits": "Grenzwerte",
+        "cycles": "Stück je Schicht",
         "setup": "Rüstzeit [s]",
         "breaks": "Pausen [s]",
         "holds": "hält",
@@ -144,7 +148,7 @@ class OperatorColumn(NamedTuple):
     word: str
     means: str
     key: str
-    holds: Literal["kind", "text", "amount", "time", "breaks", "pairs"]
+    holds: Literal["kind", "text", "amount", "time", "breaks", "pairs", "limits"]
     width: int
 
 
@@ -152,6 +156,7 @@ OPERATOR_COLUMNS = (
     OperatorColumn("kind", "kind", "kind", "kind", 12),
     OperatorColumn("label", "label", "label", "text", 24),
     OperatorColumn("stress limit", "stress limit", "stress_limit", "amount", 16),
+    OperatorColumn("limits", "limits", "limits", "limits", 30),
     OperatorColumn("setup", "changeover", "setup", "time", 14),
     OperatorColumn("breaks", "breaks", "breaks", "breaks", 22),
     OperatorColumn("tool", "tool", "tool", "text", 16),
@@ -235,6 +240,14 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             (
                 "kind: human, robot or machine. Breaks: 300-600; 900-1000 in seconds since the"
                 " start. Stress limit: the most for this human."
+            ),
+        ),
+        (
+            "limits",
+            (
+                "Sheet Operators: the most of further measures for this human: peak:reba = 7;"
+                " time-above:reba:8 = 20; dose:lifft = 0.02. A dose needs the products per shift,"
+                " sheet Cell."
             ),
         ),
         (
@@ -339,6 +352,14 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             (
                 "Art: Mensch, Roboter oder Maschine. Pausen: 300-600; 900-1000 (Sekunden)."
                 " Belastungsgrenze: das Meiste für diesen Menschen."
+            ),
+        ),
+        (
+            "Grenzwerte",
+            (
+                "Blatt Bediener: das Meiste von weiteren Maßen für diesen Menschen: peak:reba = 7;"
+                " time-above:reba:8 = 20; dose:lifft = 0,02. Eine Dosis braucht die Stück je"
+                " Schicht, Blatt Zelle."
             ),
         ),
         (

@@ -57,6 +57,7 @@ class Beside:
     walk: dict[str, dict[str, float]] = field(default_factory=dict)
     sets: dict[str, float] | None = None
     name: str | None = None
+    cycles: float | None = None
 
 
 def role_of(grid: Grid) -> str | None:
@@ -78,6 +79,7 @@ def read_beside(grids: dict[str, Grid], findings: Findings) -> Beside:
         read_walks(grids["walking"], found.walk, findings)
     if "cell" in grids:
         _name(grids["cell"], found)
+        _cycles(grids["cell"], found, findings)
     return found
 
 
@@ -222,6 +224,8 @@ def _value(
     match wanted.holds:
         case "breaks":
             return _breaks(text, unit, place, findings) or None
+        case "limits":
+            return _limits(text, who, place, findings) or None
         case "pairs":
             return _pairs(text, place, findings) or None
         case "kind":
@@ -269,6 +273,25 @@ def _pairs(text: str, place: str, findings: Findings) -> list[list[str]]:
         else:
             pairs.append([unquoted(name) for name in found.groups()])
     return pairs
+
+
+def _limits(text: str, who: str, place: str, findings: Findings) -> dict[str, float]:
+    """ "peak:reba = 7; dose:lifft = 0.02" as measures and the most of each."""
+    found: dict[str, float] = {}
+    for part in filter(None, map(str.strip, text.split(";"))):
+        name, _, most = (piece.strip() for piece in part.rpartition("="))
+        try:
+            if not name or name in found:
+                raise UnreadableError(f"holds {part!r}")
+            found[name] = float(number(most, findings.marks).value)
+        except UnreadableError:
+            findings.fault(
+                f"holds {part!r}: write limits as measure = most, each measure once, several with"
+                " semicolons, such as 'peak:reba = 7; time-above:reba:8 = 20'.",
+                place,
+            )
+        findings.places["operators", who, "limits", name] = place
+    return found
 
 
 def _breaks(text: str, unit: str, place: str, findings: Findings) -> list[list[float]]:
@@ -382,4 +405,16 @@ def _name(grid: Grid, found: Beside) -> None:
             "station",
         ):
             found.name = filled[1]
+            return
+
+
+CYCLES = ("products per shift", "cycles per shift", "stueck je schicht", "zyklen je schicht")
+
+
+def _cycles(grid: Grid, found: Beside, findings: Findings) -> None:
+    for row in range(len(grid.rows)):
+        filled = list(grid.filled(row))
+        if len(filled) >= 2 and key(tidy(str(filled[0][1]))) in CYCLES:
+            findings.places["cycles_per_shift",] = grid.place(row, filled[1][0])
+            found.cycles = findings.amount(grid, row, filled[1][0], "the products per shift")
             return

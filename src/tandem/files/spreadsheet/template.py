@@ -9,6 +9,7 @@ import re
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -468,7 +469,7 @@ def _operators(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
         ):
             _put(sheet, row, place, value)
     for place, column in enumerate(columns, 2):
-        as_text = column.holds in ("breaks", "pairs")
+        as_text = column.holds in ("breaks", "pairs", "limits")
         for row in range(2, len(cell.operators) + 12) if as_text else ():
             sheet.cell(row, place).number_format = "@"
     kinds = DataValidation(
@@ -493,9 +494,15 @@ def _of_operator(cell: Cell, name: str, column: OperatorColumn, words: Mapping[s
             return "; ".join(f"{plain(start)}-{plain(end)}" for start, end in value) or None
         case "pairs":
             return "; ".join(" > ".join(map(_in_pair, pair)) for pair in value) or None
+        case "limits":
+            return "; ".join(f"{key} = {_plain(most)}" for key, most in value.items()) or None
         case "time":
             return value or None
     return value
+
+
+def _plain(most: float) -> str:
+    return f"{Decimal(repr(most)).normalize():f}"
 
 
 def _in_pair(name: str) -> str:
@@ -585,6 +592,9 @@ def _sets_and_name(book: Workbook, cell: Cell, lang: Language) -> None:
     sheet = book.create_sheet(SHEETS[lang]["cell"])
     _put(sheet, 1, 1, words["cell name"])
     _put(sheet, 1, 2, cell.name or None)
+    if cell.cycles_per_shift is not None:
+        _put(sheet, 2, 1, words["cycles"])
+        _put(sheet, 2, 2, cell.cycles_per_shift)
     sheet.column_dimensions["B"].width = 60
 
 

@@ -258,11 +258,12 @@ def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
             ("stress_of_set",),
         )
     for name, operator in cell.operators.items():
-        if operator.stress_limit is not None:
+        stated = {"stress_limit": operator.stress_limit is not None, "limits": operator.limits}
+        for key in (key for key, is_stated in stated.items() if is_stated):
             yield Fault(
-                "a stress_limit may leave nobody for a task; these two agents count difficulty and"
-                " know no limit. Leave it out.",
-                ("operators", name, "stress_limit"),
+                f"a {key.removesuffix('s')} may leave nobody for a task; these two agents count"
+                " difficulty and know no limit. Leave it out.",
+                ("operators", name, key),
             )
     if cell.walk:
         yield Fault(

@@ -30,7 +30,9 @@ def as_stress(cell: Cell) -> Cell:
     data = cell.to_dict()
     for name in cell.operators:
         data["operators"][name] = {
-            key: value for key, value in data["operators"][name].items() if key != "stress_limit"
+            key: value
+            for key, value in data["operators"][name].items()
+            if key not in ("stress_limit", "limits")
         } | {"kind": "human"}
     for name, task in data["tasks"].items():
         alone = {

@@ -26,7 +26,7 @@ from tandem.plan.cycle.pattern import Pattern, most_laps
 from tandem.plan.instance import Instance
 
 ALLOCATION: tuple[Rule, ...] = (
-    cpsat.a_human_stays_within_the_stress_limit,
+    cpsat.nobody_takes_more_than_allowed,
     cpsat.some_tasks_have_the_same_operators,
     cpsat.stress_is_counted,
 )

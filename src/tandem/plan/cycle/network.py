@@ -562,17 +562,16 @@ def _allowed(instance: Instance) -> Iterator[tuple[tuple[int, ...], int]]:
             continue
         if any(len(instance.sides(task, way)) > 1 for task, way in enumerate(chosen)):
             continue
-        loads = [0] * len(instance.operators)
+        taken = [0] * len(instance.allowances)
         for way in chosen:
-            for operator, load in zip(way.operators, way.load, strict=True):
-                loads[operator] += load
+            for number, due in way.dues:
+                taken[number] += due
         if any(
-            limit is not None and load > limit
-            for load, limit in zip(loads, instance.stress_limit, strict=True)
+            due > allowance.most for due, allowance in zip(taken, instance.allowances, strict=True)
         ):
             continue
         if instance.stress_of_set is None:
-            yield ways, sum(loads)
+            yield ways, sum(way.stress for way in chosen)
         else:
             by_human = frozenset(
                 task
