@@ -143,6 +143,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "score_command",
         "Score tasks by ergonomic methods, from posture, load and rate.",
     ),
+    "rotate": (
+        "tandem.cli.rotate",
+        "rotate_command",
+        "Rotate people over the roles of a cell, period by period.",
+    ),
     "template": (
         "tandem.cli.sheets",
         "template_command",

@@ -1,0 +1,334 @@
+"""Job rotation by CP-SAT: the least worst person, then the least spread, then the fewest stays.
+
+Who works where in which period is a choice; what a person bears of a measure is a sum over their
+choices, or the highest. Aims are minimized one after the other, each held while the next one is
+sought. Source of the aims: our own; of rotation by exposure limits Carnahan, Redfern and Norman
+(2000) Ergonomics 43(4):543-560.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import ROUND_FLOOR, Decimal
+from time import monotonic
+from typing import Any
+
+from ortools.sat.python import cp_model
+
+from tandem.cell.crew import Person
+from tandem.cell.written import number
+from tandem.errors import InfeasibleError, NothingFoundError, UnsoundScheduleError
+from tandem.plan.axes import scale_of, up
+from tandem.plan.infeasible import Limit, minimal_core
+from tandem.schedule.exposure import Measure
+from tandem.schedule.rotation import Rotation, Shift, faults, rotation_measure
+
+WORST, SPREAD, STAYS = "worst", "spread", "stays"
+
+
+@dataclass(frozen=True)
+class Aim:
+    """One of the aims, in their order.
+
+    Attributes:
+      what: `worst` or `spread` of a measure, or `stays`.
+      measure: its name; empty for stays.
+      value: of the rotation found, exact.
+      proven: no rotation that is as good in every aim before is better in this one.
+      rounded: it was counted in rounded units, so that it is proven to twelve digits.
+    """
+
+    what: str
+    measure: str
+    value: Decimal
+    proven: bool
+    rounded: bool = False
+
+
+@dataclass(frozen=True)
+class Rotated:
+    """A rotation and how good it is.
+
+    Attributes:
+      aims: what was sought, in the order of importance.
+      wall_s: time spent, seconds.
+    """
+
+    rotation: Rotation
+    aims: tuple[Aim, ...]
+    wall_s: float
+    seed: int
+
+    @property
+    def proven(self) -> bool:
+        """Every aim is."""
+        return all(aim.proven for aim in self.aims)
+
+
+def rotate(
+    shift: Shift,
+    measures: Sequence[Measure],
+    *,
+    staying: bool = False,
+    time_limit: float = 60.0,
+    workers: int = 1,
+    seed: int = 0,
+) -> Rotated:
+    """The rotation that is best in `worst` and `spread` of the first measure, then of the next, and
+    then has the fewest stays.
+
+    Args:
+      staying: everybody keeps one role for the whole shift: what there is without rotation. The
+        limits of what people bear are not asked then.
+      time_limit: seconds for all aims together.
+
+    Raises:
+      InfeasibleError: no rotation keeps the limits; with a minimal set of what cannot be kept.
+      NothingFoundError: none was found in the time.
+    """
+    begun = monotonic()
+    if staying:
+        shift = replace(shift, crew=shift.crew.without_limits())
+    asked = _Asked(shift, tuple(measures), staying, begun + time_limit, workers, seed)
+    model = _Model(shift, _everything(shift), staying)
+    if (first := model.solved(asked)) is None:
+        if model.status == cp_model.INFEASIBLE:
+            raise _infeasible(asked)
+        raise NothingFoundError(f"no rotation was found within {number(time_limit)} s.")
+    rotation, aims, proven = first, [], True
+    wanted = [(what, m) for m in measures for what in (WORST, SPREAD)]
+    for what, measure in [*wanted, *([] if staying else [(STAYS, None)])]:
+        aim, is_exact = model.aim(what, measure)
+        if proven:  # what is not best in one aim is not made worse in it for the sake of the next
+            better, proven = model.minimized(aim, asked)
+            rotation = better or rotation
+        aims.append((what, measure, proven, not is_exact))
+    if wrong := faults(rotation):
+        raise UnsoundScheduleError(wrong)
+    told = tuple(
+        Aim(what, "" if m is None else m.name, _value(rotation, what, m), proven, rounded)
+        for what, m, proven, rounded in aims
+    )
+    return Rotated(rotation, told, monotonic() - begun, seed)
+
+
+def _value(rotation: Rotation, what: str, measure: Measure | None) -> Decimal:
+    if measure is None:
+        return Decimal(rotation.stays)
+    return rotation.worst(measure) if what == WORST else rotation.spread(measure)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    shift: Shift
+    measures: tuple[Measure, ...]
+    staying: bool
+    until: float
+    workers: int
+    seed: int
+
+
+class _Model:
+    """Who works where when, with some of what limits it."""
+
+    def __init__(self, shift: Shift, kept: Iterable[Limit], staying: bool):
+        self.shift, self.model = shift, cp_model.CpModel()
+        self.status: Any = cp_model.UNKNOWN
+        self.people = shift.crew.people
+        self.periods = range(len(shift.periods))
+        self.x = {
+            (p, role, t): self.model.new_bool_var(f"{person.name} as {role} in {t + 1}")
+            for p, person in enumerate(self.people)
+            for role in shift.roles
+            for t in self.periods
+        }
+        self._everybody_has_one_role()
+        if staying:
+            self._nobody_changes()
+        for limit in kept:
+            self._keep(limit)
+
+    def _everybody_has_one_role(self) -> None:
+        for t in self.periods:
+            for role in self.shift.roles:
+                self.model.add_exactly_one(self.x[p, role, t] for p in range(len(self.people)))
+            for p in range(len(self.people)):
+                self.model.add_at_most_one(self.x[p, role, t] for role in self.shift.roles)
+
+    def _nobody_changes(self) -> None:
+        for (p, role, t), chosen in self.x.items():
+            if t:
+                self.model.add(chosen == self.x[p, role, 0])
+
+    def _keep(self, limit: Limit) -> None:
+        """One thing that limits the people, by its place in their file."""
+        p = next(p for p, one in enumerate(self.people) if one.name == limit.where[1])
+        person, what = self.people[p], limit.where[2]
+        for role in self.shift.roles:
+            for t in self.periods:
+                able = what not in ("roles", "cannot") or self.shift.able(person, role)
+                there = what != "periods" or self.shift.there(person, t)
+                if not (able and there):
+                    self.model.add(self.x[p, role, t] == 0)
+        if what == "limits":
+            most = self.shift.crew.most(person)[limit.where[3]]
+            self._bear(p, rotation_measure(limit.where[3], self.shift.cell), most)
+
+    def _bear(self, p: int, measure: Measure, most: Decimal) -> None:
+        costs = self._costs(p, measure)
+        if measure.what == "peak":
+            for key, value in costs.items():
+                if value > most:
+                    self.model.add(self.x[key] == 0)
+            return
+        # rounded up on the one side and down on the other: never more than the limit
+        scale, _ = scale_of([*costs.values(), most], sum(costs.values(), Decimal(0)))
+        allowed = int((most * scale).to_integral_value(ROUND_FLOOR))
+        self.model.add(sum(up(c * scale) * self.x[key] for key, c in costs.items()) <= allowed)
+
+    def _costs(self, p: int, measure: Measure) -> dict[tuple[int, str, int], Decimal]:
+        person = self.people[p]
+        each = {role: self.shift.each(measure, person, role) for role in self.shift.roles}
+        return {
+            (p, role, t): each[role] * self.shift.share(measure, t)
+            for role in self.shift.roles
+            for t in self.periods
+            if each[role]
+        }
+
+    def aim(self, what: str, measure: Measure | None) -> tuple[cp_model.IntVar, bool]:
+        """A variable of the aim, and whether nothing was rounded."""
+        if measure is None:
+            return self._stays(), True
+        loads, highest, is_exact = self._loads(measure)
+        worst = self.model.new_int_var(0, highest, f"worst {measure.name}")
+        self.model.add_max_equality(worst, loads)
+        if what == WORST:
+            return worst, is_exact
+        least = self.model.new_int_var(0, highest, f"least {measure.name}")
+        self.model.add_min_equality(least, loads)
+        spread = self.model.new_int_var(0, highest, f"spread {measure.name}")
+        self.model.add(spread == worst - least)
+        return spread, is_exact
+
+    def _loads(self, measure: Measure) -> tuple[list[cp_model.IntVar], int, bool]:
+        """What each person bears, in whole units."""
+        costs = [self._costs(p, measure) for p in range(len(self.people))]
+        sums = max((sum(of.values(), Decimal(0)) for of in costs), default=Decimal(0))
+        scale, is_exact = scale_of([c for of in costs for c in of.values()], sums)
+        highest, loads = up(sums * scale) + len(self.x), []
+        for p, of_person in enumerate(costs):
+            load = self.model.new_int_var(0, highest, f"{measure.name} of {p}")
+            units = [up(c * scale) * self.x[key] for key, c in of_person.items()]
+            if measure.what == "peak":
+                self.model.add_max_equality(load, [0, *units])
+            else:
+                self.model.add(load == sum(units))
+            loads.append(load)
+        return loads, highest, is_exact
+
+    def _stays(self) -> cp_model.IntVar:
+        stays = []
+        for (p, role, t), now in self.x.items():
+            if not t:
+                continue
+            same = self.model.new_bool_var("")
+            self.model.add_bool_or(same, ~now, ~self.x[p, role, t - 1])
+            stays.append(same)
+        total = self.model.new_int_var(0, len(stays), "stays")
+        self.model.add(total == sum(stays))
+        return total
+
+    def solved(self, asked: _Asked) -> Rotation | None:
+        """Any rotation; None when there is none, or none was found in time."""
+        return self._solve(asked)[0]
+
+    def minimized(self, aim: cp_model.IntVar, asked: _Asked) -> tuple[Rotation | None, bool]:
+        """The best rotation in this aim, which is held from now on; and whether that is proven."""
+        self.model.minimize(aim)
+        found, solver = self._solve(asked)
+        self.model.clear_objective()  # type: ignore[no-untyped-call]
+        if found is None:
+            return None, False
+        self.model.add(aim <= solver.value(aim))
+        self.model.clear_hints()  # type: ignore[no-untyped-call]
+        for chosen in self.x.values():
+            self.model.add_hint(chosen, solver.value(chosen))
+        return found, self.status == cp_model.OPTIMAL
+
+    def _solve(self, asked: _Asked) -> tuple[Rotation | None, cp_model.CpSolver]:
+        solver = cp_model.CpSolver()
+        solver.parameters.num_workers = asked.workers
+        solver.parameters.random_seed = asked.seed
+        solver.parameters.max_time_in_seconds = max(0.0, asked.until - monotonic())
+        self.status = solver.solve(self.model)
+        if self.status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+            return None, solver
+        who: tuple[Mapping[str, str], ...] = tuple(
+            {
+                role: self.people[p].name
+                for role in self.shift.roles
+                for p in range(len(self.people))
+                if solver.boolean_value(self.x[p, role, t])
+            }
+            for t in self.periods
+        )
+        return Rotation(self.shift, who), solver
+
+
+# --- what limits it, and why there is none --------------------------------------------------------
+
+
+def _everything(shift: Shift) -> list[Limit]:
+    """All that limits who works where; each can be lifted by leaving it out of the file."""
+    return [limit for person in shift.crew.people for limit in _of_person(shift, person)]
+
+
+def _of_person(shift: Shift, person: Person) -> Iterable[Limit]:
+    name = person.name
+    if person.roles is not None:
+        yield Limit(
+            f"that {name!r} works as {_named(person.roles)} only", ("people", name, "roles")
+        )
+    if person.cannot:
+        yield Limit(f"that {name!r} cannot do {_named(person.cannot)}", ("people", name, "cannot"))
+    if person.periods is not None:
+        periods = ", ".join(map(str, person.periods))
+        yield Limit(f"that {name!r} is there in period {periods} only", ("people", name, "periods"))
+    for measure, most in shift.crew.most(person).items():
+        yield Limit(
+            f"the limit {measure}={most:f} of {name!r}", ("people", name, "limits", measure)
+        )
+
+
+def _named(names: Sequence[str]) -> str:
+    return " and ".join(repr(name) for name in names) or "nobody"
+
+
+def _infeasible(asked: _Asked) -> InfeasibleError:
+    shift, what = asked.shift, "no rotation keeps all that is stated"
+    if asked.staying:
+        return InfeasibleError("without rotation: nobody can stay in one role all shift")
+    if len(shift.crew.people) < len(shift.roles):
+        return InfeasibleError(
+            f"{what}: the plan has {len(shift.roles)} roles ({', '.join(shift.roles)}), but there"
+            f" are {len(shift.crew.people)} people ({_named([p.name for p in shift.crew.people])})."
+        )
+
+    def possible(limits: Sequence[Limit]) -> bool | None:
+        model = _Model(shift, limits, staying=False)
+        found = model.solved(asked)
+        return None if found is None and model.status != cp_model.INFEASIBLE else found is not None
+
+    core = minimal_core(_everything(shift), possible)
+    names = [limit.words for limit in core.items]
+    together = (
+        f"{names[0]} cannot be kept."
+        if len(names) == 1
+        else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together."
+    )
+    conflict = {**core.to_dict(), "least": [], "without": []}
+    return InfeasibleError(
+        f"{what}.", [together[0].upper() + together[1:], *core.doubt()], conflict
+    )
