@@ -329,6 +329,21 @@ def _infeasible(asked: _Asked) -> InfeasibleError:
         else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together."
     )
     conflict = {**core.to_dict(), "least": [], "without": []}
-    return InfeasibleError(
-        f"{what}.", [together[0].upper() + together[1:], *core.doubt()], conflict
-    )
+    reasons = [together[0].upper() + together[1:], *core.doubt(), *_least(asked, core.items)]
+    return InfeasibleError(f"{what}.", reasons, conflict)
+
+
+def _least(asked: _Asked, lifted: Sequence[Limit]) -> Iterable[str]:
+    """What the worst person bears at least when these limits are lifted and all others kept, of
+    each measure that one of them is of.
+    """
+    for name in dict.fromkeys(one.where[3] for one in lifted if one.where[2] == "limits"):
+        measure = rotation_measure(name, asked.shift.cell)
+        kept = [one for one in _everything(asked.shift) if one not in lifted]
+        model = _Model(asked.shift, kept, staying=False)
+        found, proven = model.minimized(model.aim(WORST, measure)[0], asked)
+        if found is not None and proven:
+            yield (
+                f"Without {'this limit' if len(lifted) == 1 else 'these limits'}, the person who"
+                f" bears most of {name} has at least {float(found.worst(measure)):.4g}."
+            )
