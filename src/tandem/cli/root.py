@@ -148,6 +148,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "rotate_command",
         "Rotate people over the roles of a cell, period by period.",
     ),
+    "separate": (
+        "tandem.cli.separate",
+        "separate_command",
+        "Say which places people and robots may use at once.",
+    ),
     "template": (
         "tandem.cli.sheets",
         "template_command",

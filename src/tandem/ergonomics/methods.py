@@ -22,6 +22,7 @@ from tandem.ergonomics import (
     rsi,
     rula,
     shoulder_tool,
+    ssm,
     strain_index_1995,
 )
 from tandem.ergonomics.facts import Facts, call, read
@@ -96,7 +97,7 @@ METHODS: dict[str, Method] = {
 UNVERIFIED = {ocra.METHOD: ocra.FUNCTIONS, kim_lhc.METHOD: kim_lhc.FUNCTIONS}
 """Methods whose tables or limits were recalled, not read: single steps alone, on request."""
 
-OTHERS = {exposure.METHOD: exposure.FUNCTIONS, **UNVERIFIED}
+OTHERS = {exposure.METHOD: exposure.FUNCTIONS, ssm.METHOD: ssm.FUNCTIONS, **UNVERIFIED}
 """Published steps beside those of the methods."""
 
 LICENSED = {
