@@ -251,7 +251,7 @@ def _longer(
         for (robot, place), factor in factors.items():
             if stated.place == place and robot in stated.time:
                 before = stated.time[robot]
-                longer = Decimal(repr(float(before))) * Decimal(repr(factor))
+                longer = Decimal(repr(round(before * factor, 9)))
                 after = float(longer.quantize(Decimal("0.1"), ROUND_CEILING))
                 data["tasks"][task]["time"][robot] = plain(after)
                 yield (task, robot), (before, after)

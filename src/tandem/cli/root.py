@@ -153,6 +153,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "separate_command",
         "Say which places people and robots may use at once.",
     ),
+    "times": (
+        "tandem.cli.times",
+        "times_command",
+        "Work out task times from motions, TMU or learning.",
+    ),
     "template": (
         "tandem.cli.sheets",
         "template_command",
