@@ -330,8 +330,8 @@ def sentences(t: Words, space: Space, found: Applied) -> Iterator[str]:
         yield t("space.zone", zone=name, places=", ".join(places))
     for (task, who), (before, after) in found.times.items():
         yield t("space.time", task=task, robot=who, old=t.number(before), new=t.number(after))
-    for one, other in found.stricter:
-        yield t("space.stricter", one=one, other=other)
+    for robot_place, human_place in found.stricter:
+        yield t("space.stricter", one=robot_place, other=human_place)
     if space.joint:
         yield t("space.joint", tasks=", ".join(space.joint))
     if space.nowhere:
