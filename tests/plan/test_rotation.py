@@ -180,3 +180,20 @@ def test_products_are_whole_and_spread_by_minutes():
     assert [one.products for one in periods_of((120, 90), 56.0)] == [128, 96]
     assert [one.products for one in periods_of((60, 60, 60), 1.0, 10)] == [4, 3, 3]
     assert sum(one.products for one in periods_of((120, 120, 90), 1.0, 421)) == 421
+
+
+def test_values_of_many_digits_are_proven_as_quickly_as_small_ones():
+    """A share of 9 products in 10,800 s ends nowhere: counted in units of a millionth of a
+    millionth, bounds moved in steps of one, and a crew of two was not proven within a minute.
+    """
+    one = fuzz.Drawn(
+        tasks={"t1": ("role0", 5, 3), "t2": ("role0", 5, 3), "t3": ("role0", 3, 2)},
+        products=[9, 9, 9],
+        people={
+            name: {"roles": None, "cannot": [], "periods": None, "limits": {}}
+            for name in ("anna", "ben")
+        },
+        limits={},
+        measures=["time-weighted:stress"],
+    )
+    assert fuzz.difference(one) is None

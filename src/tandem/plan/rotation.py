@@ -8,6 +8,7 @@ sought. Source of the aims: our own; of rotation by exposure limits Carnahan, Re
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Decimal
@@ -25,6 +26,8 @@ from tandem.schedule.exposure import Measure
 from tandem.schedule.rotation import Rotation, Shift, faults, rotation_measure
 
 WORST, SPREAD, STAYS = "worst", "spread", "stays"
+MOST_VALUES = 50_000
+"""Values of a sum that are told one by one."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +132,47 @@ class _Asked:
     seed: int
 
 
+@dataclass(frozen=True)
+class _Values:
+    """What a whole number can come to. Every value is told to the solver where they are not too
+    many: bounds of numbers of twelve digits would else move in steps of one.
+
+    Attributes:
+      values: None where there are too many: all from 0 to `most`.
+    """
+
+    most: int
+    values: frozenset[int] | None
+
+    def plus(self, others: set[int]) -> _Values:
+        """With one of these added."""
+        most = self.most + max(others)
+        if self.values is None or len(self.values) * len(others) > MOST_VALUES:
+            return _Values(most, None)
+        return _Values(most, frozenset(a + b for a in self.values for b in others))
+
+    def with_(self, other: _Values) -> _Values:
+        """This or the other."""
+        most = max(self.most, other.most)
+        if self.values is None or other.values is None:
+            return _Values(most, None)
+        return _Values(most, self.values | other.values)
+
+    def differences(self) -> _Values:
+        """One value less another that is not above it."""
+        if self.values is None or len(self.values) ** 2 > MOST_VALUES:
+            return _Values(self.most, None)
+        return _Values(
+            self.most, frozenset(a - b for a in self.values for b in self.values if a >= b)
+        )
+
+    def variable(self, model: cp_model.CpModel, name: str) -> cp_model.IntVar:
+        """A variable that has these values alone."""
+        if self.values is None:
+            return model.new_int_var(0, self.most, name)
+        return model.new_int_var_from_domain(cp_model.Domain.from_values(sorted(self.values)), name)
+
+
 class _Model:
     """Who works where when, with some of what limits it."""
 
@@ -201,32 +245,46 @@ class _Model:
         """A variable of the aim, and whether nothing was rounded."""
         if measure is None:
             return self._stays(), True
-        loads, highest, is_exact = self._loads(measure)
-        worst = self.model.new_int_var(0, highest, f"worst {measure.name}")
+        loads, values, is_exact = self._loads(measure)
+        worst = values.variable(self.model, f"worst {measure.name}")
         self.model.add_max_equality(worst, loads)
         if what == WORST:
             return worst, is_exact
-        least = self.model.new_int_var(0, highest, f"least {measure.name}")
+        least = values.variable(self.model, f"least {measure.name}")
         self.model.add_min_equality(least, loads)
-        spread = self.model.new_int_var(0, highest, f"spread {measure.name}")
+        spread = values.differences().variable(self.model, f"spread {measure.name}")
         self.model.add(spread == worst - least)
         return spread, is_exact
 
-    def _loads(self, measure: Measure) -> tuple[list[cp_model.IntVar], int, bool]:
-        """What each person bears, in whole units."""
+    def _loads(self, measure: Measure) -> tuple[list[cp_model.IntVar], _Values, bool]:
+        """What each person bears, in whole units, and all that anybody can come to."""
         costs = [self._costs(p, measure) for p in range(len(self.people))]
         sums = max((sum(of.values(), Decimal(0)) for of in costs), default=Decimal(0))
         scale, is_exact = scale_of([c for of in costs for c in of.values()], sums)
-        highest, loads = up(sums * scale) + len(self.x), []
-        for p, of_person in enumerate(costs):
-            load = self.model.new_int_var(0, highest, f"{measure.name} of {p}")
-            units = [up(c * scale) * self.x[key] for key, c in of_person.items()]
+        whole = [{key: up(c * scale) for key, c in of.items()} for of in costs]
+        unit = math.gcd(*(c for of in whole for c in of.values())) or 1
+        loads, everything = [], _Values(0, frozenset({0}))
+        for of_person in whole:
+            units = {key: c // unit for key, c in of_person.items()}
+            values = self._reached(units, is_peak=measure.what == "peak")
+            load = values.variable(self.model, measure.name)
+            terms = [c * self.x[key] for key, c in units.items()]
             if measure.what == "peak":
-                self.model.add_max_equality(load, [0, *units])
+                self.model.add_max_equality(load, [0, *terms])
             else:
-                self.model.add(load == sum(units))
+                self.model.add(load == sum(terms))
             loads.append(load)
-        return loads, highest, is_exact
+            everything = everything.with_(values)
+        return loads, everything, is_exact
+
+    def _reached(self, units: Mapping[tuple[int, str, int], int], *, is_peak: bool) -> _Values:
+        """What one person can come to, in one role at most each period."""
+        if is_peak:
+            return _Values(max(units.values(), default=0), frozenset({0, *units.values()}))
+        found = _Values(0, frozenset({0}))
+        for t in self.periods:
+            found = found.plus({0, *(c for (_, _, at), c in units.items() if at == t)})
+        return found
 
     def _stays(self) -> cp_model.IntVar:
         stays = []
