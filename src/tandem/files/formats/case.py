@@ -145,8 +145,9 @@ def _task(task: _Task, assessed: set[str] | None) -> dict[str, Any]:
         "after": [],
     }
     stress = task.strain if task.strain is not None else task.fatigue
-    if stress is not None and assessed is None:
-        entry["stress"] = round(stress, 6)
+    if assessed is None:
+        if stress is not None:
+            entry["stress"] = round(stress, 6)
     elif task.strain is not None and any(assessed & set(way.agents) for way in task.modes):
         entry["ergonomics"] = [{"method": "strain_index_1995", "score": round(task.strain, 6)}]
     measured = {who: way.spread for who, way in alone.items() if way.spread is not None}
