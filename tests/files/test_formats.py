@@ -168,6 +168,19 @@ def test_a_table_of_strain_takes_the_place_of_the_sum():
     assert all(task.stress == 0 for task in cell.tasks.values())
 
 
+def test_the_strain_of_a_task_beside_a_table_is_an_assessment_of_that_task():
+    tasks = [{**task, "strain": 0.75} for task in CASE["tasks"]]
+    cell = loads(
+        json.dumps({**CASE, "tasks": tasks, "strain_index_of_human_task_set": {"P1.3": 1}})
+    )
+    found = cell.exposures["strain_index_1995"]
+    assert set(map(str, found.values())) == {"0.75"}
+    assert {who for _, who in found} == set(cell.humans)
+    alone = loads(json.dumps({**CASE, "tasks": tasks}))
+    assert all(task.stress == 0.75 for task in alone.tasks.values() if task.stress)
+    assert not alone.exposures
+
+
 BROKEN = [
     ("fjs", "2 3\n1 1 1 4\n", "x:1: .*states 2 jobs, but 1 lines follow"),
     ("fjs", "1\n1 1 1 4\n", "x:1: .*the numbers of jobs and of machines"),

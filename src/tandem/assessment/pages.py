@@ -339,7 +339,7 @@ def _blocks(t: Words, found: Assessment) -> Iterator[Block]:
     yield Grid(
         _heads(t, SUMMARY),
         [_summary(t, row) for row in found.rows],
-        (0.26, 0.08, 0.18, 0.1, 0.3, 0.08),
+        (0.26, 0.1, 0.18, 0.1, 0.28, 0.08),
         [colour for _, colour in found.levels()],
     )
     if found.totals:
@@ -353,7 +353,7 @@ def _blocks(t: Words, found: Assessment) -> Iterator[Block]:
             yield from map(Line, said)
     if found.outside:
         yield Line(t("head.outside"), "heading")
-        widths = (0.2, 0.2, 0.08, 0.12, 0.08, 0.12, 0.1, 0.1)
+        widths = (0.19, 0.19, 0.1, 0.12, 0.08, 0.12, 0.1, 0.1)
         yield Grid(_heads(t, OUTSIDE), list(_outside(t, found)), widths)
     yield Line(t("head.tasks"), "heading")
     for row, colour in found.levels():
@@ -361,7 +361,7 @@ def _blocks(t: Words, found: Assessment) -> Iterator[Block]:
         yield Line(say.explanation(t, row.outcome), colour=colour)
         yield from (Line(said) for said in (say.stability(t, row), say.unstated(t, row)) if said)
         facts = [cells for cells, _ in _facts(t, row)]
-        yield Grid(_heads(t, FACTS), facts, (0.3, 0.14, 0.08, 0.2, 0.16, 0.12))
+        yield Grid(_heads(t, FACTS), facts, (0.28, 0.12, 0.08, 0.26, 0.15, 0.11))
         yield Grid(_heads(t, STEPS), list(_steps(t, row)), (0.3, 0.14, 0.56))
     yield Line(t("head.limits"), "heading")
     yield from map(Line, (*_limits(t, found), t("advice")))

@@ -69,6 +69,10 @@ def pdf(blocks: Sequence[Block], title: str) -> bytes:
     return stream.getvalue()
 
 
+BELOW = {"title": 60, "heading": 120, "task": 60}
+"""Points that must have room below a bold line."""
+
+
 class _Sheet:
     """The page under way, written from the top down."""
 
@@ -113,8 +117,8 @@ class _Sheet:
         lines = _wrapped(block.text, ROOM, size * (1.08 if bold else 1))
         height = len(lines) * size * LINE
         above = 0.0 if block.kind == "text" else size * 0.9
-        # a heading stays with what follows it
-        self.need(above + height + (60 if bold else 0))
+        # a heading stays with what follows it, which may be the name of a task and its lines
+        self.need(above + height + (BELOW[block.kind] if bold else 0))
         self.y += above if self.y > MARGIN else 0
         if block.colour:
             self.behind(MARGIN - 3, self.y - 2, ROOM + 6, height + 3, block.colour)

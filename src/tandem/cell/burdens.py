@@ -162,15 +162,23 @@ def costs(cell: Assessed, measure: Measure, task: str, mode: Mode) -> dict[str, 
     Of `time-weighted` it is value x seconds, of `fatigue` RISE x value x minutes: the exponent of
     its envelope, see `envelope`.
     """
-    found = worth(cell, measure.scale, task, mode)
     seconds = decimal(mode.time)
+    found = worth(cell, measure.scale, task, mode)
+    counted = {who: cost(measure, value, seconds) for who, value in found.items()}
+    return {who: each for who, each in counted.items() if each is not None}
+
+
+def cost(measure: Measure, value: Decimal, seconds: Decimal) -> Decimal | None:
+    """What one execution that is worth `value` and lasts so many seconds adds for whoever does it;
+    None where it does not count.
+    """
     if measure.what == "time-above":
-        return {who: seconds for who, value in found.items() if value >= measure.numbers[0]}
+        return seconds if value >= measure.numbers[0] else None
     if measure.what == "time-weighted":
-        return {who: value * seconds for who, value in found.items()}
+        return value * seconds
     if measure.what == "fatigue":
-        return {who: measure.numbers[0] * value * seconds / 60 for who, value in found.items()}
-    return found
+        return measure.numbers[0] * value * seconds / 60
+    return value
 
 
 def decimal(number: float) -> Decimal:

@@ -297,19 +297,23 @@ def formats_command(folder: Path | None, as_json: bool) -> None:
 @click.option(
     "--of",
     "what",
-    type=click.Choice(["cell", "events", "decisions"]),
+    type=click.Choice(["cell", "events", "decisions", "rotation"]),
     default="cell",
     show_default=True,
-    help="Cell files, or the lines of `tandem dispatch`.",
+    help="Cell files, the lines of `tandem dispatch`, or what `tandem rotate --json` prints.",
 )
 def schema_command(what: str) -> None:
-    """Print the JSON Schema of cell files, for editors that check while you type; or of a shift's
-    events and decisions.
+    """Print the JSON Schema of cell files, for editors that check while you type; of a shift's
+    events and decisions; or of a job rotation.
     """
     if what == "cell":
         from tandem.files.schema import schema_text
 
         click.echo(schema_text(), nl=False)
+    elif what == "rotation":
+        from tandem.report.rotation import schema_text as rotation_schema_text
+
+        click.echo(rotation_schema_text(), nl=False)
     else:
         from tandem.dispatch.shift.schema import schema_text as live_schema_text
 

@@ -143,6 +143,21 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "score_command",
         "Score tasks by ergonomic methods, from posture, load and rate.",
     ),
+    "rotate": (
+        "tandem.cli.rotate",
+        "rotate_command",
+        "Rotate people over the roles of a cell, period by period.",
+    ),
+    "separate": (
+        "tandem.cli.separate",
+        "separate_command",
+        "Say which places people and robots may use at once.",
+    ),
+    "times": (
+        "tandem.cli.times",
+        "times_command",
+        "Work out task times from motions, TMU or learning.",
+    ),
     "template": (
         "tandem.cli.sheets",
         "template_command",

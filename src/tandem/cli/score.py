@@ -498,6 +498,7 @@ def _show_task(t: Words, row: Scored) -> None:
 
 
 def _template(path: Path, lang: str) -> None:
+    from tandem.assessment import sentences as say
     from tandem.files.facts.template import write
 
     if path.suffix.lower() != ".xlsx":
@@ -505,7 +506,7 @@ def _template(path: Path, lang: str) -> None:
     if path.exists():
         raise UsageError(f"{path} exists already. Choose another name.")
     write(path, "de" if lang == "de" else "en")
-    click.echo(f"{path}: overwrite the tasks, save, then `tandem score {path}`.", err=True)
+    click.echo(say.words(lang)("template.next", path=path), err=True)
 
 
 def _list(as_json: bool) -> None:

@@ -123,8 +123,12 @@ def refusals(
     error: ValidationError, model: type[Facts] | None, method: str, prefix: tuple[str, ...] = ()
 ) -> list[Fault]:
     """One sentence for each thing that is wrong, with value, range and remedy."""
-    found = []
-    for item in error.errors():
+    found, items = [], error.errors()
+    for item in items:
+        if item["type"] == "too_short" and any(
+            other["loc"][: len(item["loc"])] == item["loc"] and other is not item for other in items
+        ):
+            continue  # what is wrong inside is told; an entry that is refused is an entry
         path = tuple(str(step) if not isinstance(step, int) else step for step in item["loc"])
         name = str(next((step for step in reversed(path) if isinstance(step, str)), "facts"))
         field = _field(model, path)

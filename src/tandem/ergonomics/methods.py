@@ -22,7 +22,9 @@ from tandem.ergonomics import (
     rsi,
     rula,
     shoulder_tool,
+    ssm,
     strain_index_1995,
+    task_times,
 )
 from tandem.ergonomics.facts import Facts, call, read
 from tandem.ergonomics.outcome import Outcome, Published
@@ -96,7 +98,12 @@ METHODS: dict[str, Method] = {
 UNVERIFIED = {ocra.METHOD: ocra.FUNCTIONS, kim_lhc.METHOD: kim_lhc.FUNCTIONS}
 """Methods whose tables or limits were recalled, not read: single steps alone, on request."""
 
-OTHERS = {exposure.METHOD: exposure.FUNCTIONS, **UNVERIFIED}
+OTHERS = {
+    exposure.METHOD: exposure.FUNCTIONS,
+    ssm.METHOD: ssm.FUNCTIONS,
+    task_times.METHOD: task_times.FUNCTIONS,
+    **UNVERIFIED,
+}
 """Published steps beside those of the methods."""
 
 LICENSED = {

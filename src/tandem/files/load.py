@@ -144,6 +144,20 @@ WRITTEN_ENDINGS = {".json": "json", ".fjs": "fjs", ".jsp": "jsp"}
 """How the name of a file ends, and what is written into it."""
 
 
+def text_of(path: Path, source: str) -> str:
+    """The text of a file that goes with a cell, such as one of people; `-` reads standard input.
+
+    Raises:
+      CellError: it cannot be read, is no text in UTF-8, or empty.
+    """
+    data = sys.stdin.buffer.read(LARGEST + 1) if str(path) == "-" else _bytes(path, source)
+    text = _text(data, source, "yaml").removeprefix("\ufeff").rstrip("\x1a")
+    _refuse_control_characters(text, source)
+    if not text.strip():
+        raise CellError([Fault("the file is empty.", (), source)])
+    return text
+
+
 def _bytes(path: Path, source: str) -> bytes:
     try:
         with open(path, "rb") as file:

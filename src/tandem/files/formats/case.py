@@ -3,9 +3,10 @@ hrc_battery_cells.
 
 A mode with one agent becomes a time, one with several a group. `name` is the label, `product` the
 part, `same_agent` the pairs of `same_operator`. A table of the Strain Index becomes
-`stress_of_set`; where there is none, `strain` or `fatigue` of a task is its stress, rounded to six
-decimals. Measured standard deviations to the left and right of the mean become the spread: their
-mean as a share of the mean time.
+`stress_of_set`, and `strain` beside it, the index of that task alone, an assessment by the method
+of 1995. Where there is no table, `strain` or `fatigue` of a task is its stress. Both are rounded to
+six decimals. Measured standard deviations to the left and right of the mean become the spread:
+their mean as a share of the mean time.
 """
 
 from __future__ import annotations
@@ -99,6 +100,7 @@ def read(text: str, source: str) -> Translated:
     lines: dict[Path, tuple[int, int]] = {}
     faults = list(document.faults)
     has_table = case.strain_index_of_human_task_set is not None
+    humans = {agent.id for agent in case.agents if agent.type == "human"}
     for place, task in enumerate(case.tasks):
         where = document.place(("tasks", place))
         if task.id in tasks:
@@ -109,7 +111,7 @@ def read(text: str, source: str) -> Translated:
                     where.text,
                 )
             )
-        tasks[task.id] = _task(task, has_table)
+        tasks[task.id] = _task(task, humans if has_table else None)
         lines["tasks", task.id] = (where.line, where.column)
     for place, (first, then) in enumerate(case.precedence):
         where = document.place(("precedence", place))
@@ -131,7 +133,8 @@ def read(text: str, source: str) -> Translated:
     return Translated(source, data, lines, faults)
 
 
-def _task(task: _Task, has_table: bool) -> dict[str, Any]:
+def _task(task: _Task, assessed: set[str] | None) -> dict[str, Any]:
+    """A task; `assessed` are the humans for whom a strain is an index, None where it is stress."""
     alone = {way.agents[0]: way for way in task.modes if len(way.agents) == 1}
     joint = [way for way in task.modes if len(way.agents) > 1]
     entry: dict[str, Any] = {
@@ -142,8 +145,11 @@ def _task(task: _Task, has_table: bool) -> dict[str, Any]:
         "after": [],
     }
     stress = task.strain if task.strain is not None else task.fatigue
-    if stress is not None and not has_table:
-        entry["stress"] = round(stress, 6)
+    if assessed is None:
+        if stress is not None:
+            entry["stress"] = round(stress, 6)
+    elif task.strain is not None and any(assessed & set(way.agents) for way in task.modes):
+        entry["ergonomics"] = [{"method": "strain_index_1995", "score": round(task.strain, 6)}]
     measured = {who: way.spread for who, way in alone.items() if way.spread is not None}
     shared = [way.spread for way in joint if way.spread is not None]
     if measured:
