@@ -9,6 +9,8 @@ import jsonschema
 import pytest
 
 import tandem
+from tandem.draw.lanes import lanes
+from tandem.draw.layers import layers
 from tandem.explain.waiting import waiting
 from tandem.schedule import measures as of
 from tandem.schedule.critical import critical_path
@@ -57,6 +59,46 @@ def test_how_operators_fare_is_what_the_package_measures(server, front):
         task: one.sentence("en") for task, one in held.items()
     }
     assert told["changed"] is None
+
+
+def test_the_lanes_are_those_of_every_other_chart(server):
+    cell = tandem.load(THESIS.with_name("control-box.yaml"))
+    found = tandem.plan(cell, method="longest-tail", workers=1)[0].schedule
+    body = {"cell": cell.to_dict(), "assignments": found.to_list()}
+    told = described(server, "/api/measures", server.ask("POST", "/api/measures", body).json)
+    drawn = lanes(cell, found, until=of.makespan(found))
+    for one, lane in zip(told["lanes"], drawn, strict=True):
+        assert one["operator"] == lane.look.operator
+        assert (one["busy"], one["share"]) == (lane.busy, lane.utilisation)
+        assert one["shaded"] == [vars(off) for off in lane.shaded]
+        waits = [(bar.task, since, bar.start) for bar in lane.bars for since in bar.since]
+        assert [(w["task"], w["start"], w["end"]) for w in one["waits"]] == waits
+    kinds = {off["kind"] for one in told["lanes"] for off in one["shaded"]}
+    assert kinds == {"changeover"}
+    assert any(one["waits"] for one in told["lanes"])
+
+
+def test_of_a_plan_of_other_tasks_there_are_no_lanes(server, front):
+    told = server.ask("POST", "/api/measures", {"assignments": rows(front[0])[1:]}).json
+    assert described(server, "/api/measures", told)["lanes"] is None
+
+
+def test_the_graph_is_laid_out_as_in_every_other_picture(server):
+    cell = tandem.load(THESIS.with_name("control-box.yaml"))
+    body = {"after": [[name, list(task.predecessors)] for name, task in cell.tasks.items()]}
+    told = described(server, "/api/graph", server.ask("POST", "/api/graph", body).json)
+    drawn = layers(cell)
+    assert {one["task"]: tuple(one["at"]) for one in told["at"]} == drawn.at
+    assert {(one["after"], one["task"]) for one in told["arrows"]} == set(drawn.arrows)
+
+
+def test_a_circle_is_opened_where_the_graph_is_drawn(server):
+    body = {"after": [["a", ["c", "none"]], ["b", ["a", "b"]], ["c", ["b"]]]}
+    told = described(server, "/api/graph", server.ask("POST", "/api/graph", body).json)
+    assert {one["task"] for one in told["at"]} == {"a", "b", "c"}
+    assert [(one["after"], one["task"]) for one in told["arrows"]] == [("c", "a"), ("a", "b")]
+    wrong = server.ask("POST", "/api/graph", {"after": [["a", "b"]]})
+    assert (wrong.status, "after is" in wrong.json["error"]) == (400, True)
 
 
 def test_breaks_are_rest_and_not_idle(server):

@@ -573,6 +573,7 @@ def test_the_openapi_document_says_what_every_route_answers(server, plan, tmp_pa
         ("post", "/api/replan"): {"assignments": rows, "place": place, "time_limit": 60},
         ("post", "/api/measures"): {"assignments": rows, "before": rows},
         ("post", "/api/compare"): {"other": load(THESIS).to_dict()},
+        ("post", "/api/graph"): {"after": [["1", []], ["2", ["1"]]]},
         ("post", "/api/recommend"): {"points": [[23, 7], [24, 3]], "share": 0.5},
         ("post", "/api/explain"): {"assignments": rows, "task": "6"},
         ("post", "/api/report"): {"plan": plan, "form": "csv"},

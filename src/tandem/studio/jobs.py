@@ -25,6 +25,7 @@ from tandem.studio.asked import (
     NUMBER,
     PAIR,
     POINTS,
+    PRECEDENCE,
     ROWS,
     TABLE,
     TEXT,
@@ -37,7 +38,7 @@ from tandem.studio.asked import (
     read,
 )
 from tandem.studio.importing import read_in, without_path
-from tandem.studio.questions import Tell, compare, measures, moved, recommend, schedule_of
+from tandem.studio.questions import Tell, compare, graph, measures, moved, recommend, schedule_of
 
 if TYPE_CHECKING:
     from tandem.plan.method import Progress
@@ -298,6 +299,7 @@ JOBS: dict[str, Job] = {
         of_a_cell=False,
         quick=True,
     ),
+    "graph": Job(graph, {"after": PRECEDENCE}, ("after",), of_a_cell=False, quick=True),
     "replan": Job(
         replan,
         {

@@ -18,7 +18,7 @@ from starlette.responses import JSONResponse, Response
 import tandem
 from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
-from tandem.studio.asked import LANGUAGE, TABLE, TEXT, WHOLE, Json, cell_in, read
+from tandem.studio.asked import LANGUAGE, PAIR, TABLE, TEXT, WHOLE, Json, cell_in, read
 from tandem.studio.failures import errors_of, failure
 from tandem.studio.folder import NewerError
 from tandem.studio.jobs import JOBS, OF_A_CELL, OPTIONS
@@ -380,9 +380,9 @@ ROUTES: tuple[Route, ...] = (
         "POST",
         "/api/measures",
         answered_by("measures"),
-        "How each operator fares in a schedule, what is critical, why each task starts when it"
-        " does; with `before`, what differs from that schedule. Of a schedule that breaks its cell"
-        " only the last.",
+        "The lanes of a schedule's Gantt chart, how each operator fares, what is critical, why each"
+        " task starts when it does; with `before`, what differs from that schedule. Of a schedule"
+        " that breaks its cell only the lanes and the last.",
         asks="measures",
         answers={200: MEASURES, **fails(400, 403, 422)},
     ),
@@ -407,6 +407,23 @@ ROUTES: tuple[Route, ...] = (
                 point=or_null({"type": "integer"}),
                 weights=or_null(rows({"type": "number"})),
                 within=rows({"type": "integer"}),
+            ),
+            **fails(400, 403),
+        },
+    ),
+    Route(
+        "POST",
+        "/api/graph",
+        answered_by("graph"),
+        "The precedence graph in layers: where each task stands, in columns and rows, and the curve"
+        " of each arrow: its start, then threes of control points. Arrows that follow from others,"
+        " or close a circle, have none.",
+        asks="graph",
+        answers={
+            200: table(
+                node=PAIR.schema,
+                at=rows(table(task=string(), at=PAIR.schema)),
+                arrows=rows(table(task=string(), after=string(), curve=rows(PAIR.schema))),
             ),
             **fails(400, 403),
         },

@@ -84,6 +84,8 @@ export const measures = (body) => ask("POST", "/api/measures", body);
 export const compare = (body) => ask("POST", "/api/compare", body);
 /** Which of some points is recommended. @param {Record<string, any>} body */
 export const recommend = (body) => ask("POST", "/api/recommend", body);
+/** Where the precedence graph's tasks stand. @param {Record<string, any>} body */
+export const graph = (body) => ask("POST", "/api/graph", body);
 /** The document of a plan, without what is found on the way. @param {Record<string, any>} body */
 export const plan = (body) => ask("POST", "/api/plan", body);
 export const stopPlan = () => ask("POST", "/api/plan/stop", {});
