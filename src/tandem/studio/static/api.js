@@ -37,8 +37,9 @@ async function ask(method, path, body) {
  * @param {string} type
  */
 async function reach(method, path, body, type) {
+  // What is only read needs no token, and what the first page has asked for in advance has none.
   /** @type {Record<string, string>} */
-  const headers = { "X-Tandem-Token": token };
+  const headers = method === "GET" ? {} : { "X-Tandem-Token": token };
   if (body) headers["Content-Type"] = type;
   try {
     const answer = await fetch(path, { method, body, headers });

@@ -178,10 +178,10 @@ function onKey(event) {
 
 addEventListener("keydown", onKey);
 addEventListener("beforeunload", (event) => dirty.value && event.preventDefault());
-await loadWords();
-const root = /** @type {HTMLElement} */ (document.getElementById("studio"));
-render(html`<${App} />`, root);
-await open();
+// Nothing is drawn before both are there: until then the first page shows its outlines.
+const [, opened] = await Promise.allSettled([loadWords(), open()]);
+render(html`<${App} />`, /** @type {HTMLElement} */ (document.getElementById("studio")));
+if (opened.status === "rejected") throw opened.reason;
 await listFiles();
 watchGraph();
 watchForFaults();
