@@ -134,6 +134,16 @@ def test_of_a_plan_that_breaks_its_cell_nothing_critical_is_claimed(server, fron
     assert (told["operators"], told["tasks"], told["path"]) == (None, None, None)
 
 
+def test_why_there_is_no_plan_is_said_in_german_too(server):
+    body = {"options": {"max_makespan": 22}, "lang": "de"}
+    answer = server.ask("POST", "/api/plan", body)
+    assert (answer.status, answer.json["exit"]) == (422, 4)
+    why = answer.json["infeasible"]
+    assert why["reasons"][0] == "Nicht einzuhalten: die Grenze der Dauer (22 s)."
+    assert why["reasons"][1].startswith("Geht ohne dies: die Grenze der Dauer (22 s); dann 23 s")
+    assert why["together"][0]["words"] == "die Grenze der Dauer (22 s)"
+
+
 def test_two_cells_are_compared_key_by_key_and_point_by_point(server, front):
     cell = front.cell.to_dict()
     other = {**cell, "tasks": {**cell["tasks"], "5": {**cell["tasks"]["5"], "time": {"human": 2}}}}

@@ -181,8 +181,8 @@ def _again(body: bytes, receive: Receive) -> Receive:
 
 
 def _with_headers(send: Send, path: str) -> Send:
-    # what was computed is not kept by browsers, nor is the first page; a file of the page says itself
-    # for how long it holds
+    # what was computed is not kept by browsers, nor is the first page; a file of the page says
+    # itself for how long it holds
     is_file = path.startswith("/static/")
     kept = {} if is_file else {"cache-control": "no-store" if path != "/" else "no-cache"}
     more = [(name.encode(), value.encode()) for name, value in {**HEADERS, **kept}.items()]

@@ -273,7 +273,7 @@ class Job:
 
 
 JOBS: dict[str, Job] = {
-    "plan": Job(plan, {"options": TABLE}),
+    "plan": Job(plan, {"options": TABLE, "lang": LANGUAGE}),
     "place": Job(
         place,
         {"assignments": ROWS, "lang": LANGUAGE, **PLACE},

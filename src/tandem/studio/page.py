@@ -15,8 +15,8 @@ from starlette.responses import Response
 KEPT = "public, max-age=31536000, immutable"
 """What is sent under the address of a version never changes."""
 PRELOADS = "<!-- preloads -->"
-"""Where the first page names what it will ask for, all at once: a browser that finds the next module
-only in the last one waits for each of them in turn.
+"""Where the first page names what it will ask for, all at once: a browser that finds the next
+module only in the last one waits for each of them in turn.
 """
 
 

@@ -185,10 +185,12 @@ async def stream(request: Request, session: Session) -> Response:
     query.pop("token", None)
     which: Json = {key: query.pop(key) for key in ("draft", "file") if key in query}
     name = session.name_of(which)
+    lang = read({"lang": query.pop("lang", None)}, {"lang": LANGUAGE})
     options = {key: _value(text) for key, text in query.items()}
     read(options, OPTIONS, where="options.")
     cell = await anyio.to_thread.run_sync(session.document, which)
-    events = session.pool.events("plan", {"cell": cell, "options": options}, is_stream=True)
+    asked = {"cell": cell, "options": options, **lang}
+    events = session.pool.events("plan", asked, is_stream=True)
     first = await anext(events)  # refuses here when there is no place
 
     async def told() -> AsyncIterator[ServerSentEvent]:
@@ -335,6 +337,7 @@ ROUTES: tuple[Route, ...] = (
         query={
             "token": (string(), "An event source sends no headers."),
             "draft": (string(), "A cell that is held."),
+            "lang": (LANGUAGE.schema, "Of the reasons why there is no plan."),
             **FILE,
             **{
                 name: (kind.schema, f"As the option of `tandem plan`: {kind.words}.")

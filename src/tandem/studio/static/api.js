@@ -110,13 +110,13 @@ export async function report(body) {
 
 /**
  * Plans a cell, with what is found as it is found.
- * @param {Record<string, any>} body `cell` and the options of `tandem plan`.
+ * @param {Record<string, any>} body `cell`, the options of `tandem plan` and the language.
  * @param {{progress: (data: any) => void, done: (data: any) => void, failed: (data: any) => void, lost: () => void}} hear
  */
-export async function planLive({ cell, options, file, version }, hear) {
+export async function planLive({ cell, options, lang, file, version }, hear) {
   const { status, document } = await ask("POST", "/api/draft", { cell, file, version });
   if (status !== 200) return hear.failed({ message: document.error, errors: document.errors });
-  const query = new URLSearchParams({ ...options, draft: document.draft, token });
+  const query = new URLSearchParams({ ...options, lang, draft: document.draft, token });
   const source = new EventSource(`/api/plan/stream?${query}`);
   /** @param {string} name @param {(data: any) => void} act @param {boolean} last */
   const on = (name, act, last) =>
