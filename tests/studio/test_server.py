@@ -490,6 +490,20 @@ def test_a_report_is_made_of_the_plan_that_is_sent(server, plan, form, begins):
     assert answer.headers["content-disposition"] == f'attachment; filename="plan.{form}"'
 
 
+@pytest.mark.parametrize(
+    ("chart", "says"),
+    [("front", "Belastung"), ("gantt", "task 6 human"), ("graph", "7 Vorgänge; längste Kette")],
+)
+def test_a_chart_alone_is_a_picture_in_the_language_of_the_page(server, plan, chart, says):
+    body = {"plan": plan, "point": 1, "form": "svg", "chart": chart, "lang": "de"}
+    answer = server.ask("POST", "/api/report", body)
+    assert answer.status == 200
+    assert says in answer.body.decode()
+    assert f'filename="{chart}.svg"' in answer.headers["content-disposition"]
+    none = server.ask("POST", "/api/report", {**body, "form": "csv"})
+    assert (none.status, "a picture's name ends in" in none.json["error"]) == (400, True)
+
+
 def test_a_plan_that_breaks_its_cell_is_no_report(server, plan):
     wrong = json.loads(json.dumps(plan))
     wrong["front"][0]["assignments"][0]["start"] += 1

@@ -66,6 +66,8 @@ PLACE: dict[str, Kind] = {"task": TEXT, "operators": NAMES, "start": NUMBER}
 """A task, who is to do it, and from when on."""
 FORMS = ("csv", "html", "json", "md", "pdf", "png", "svg", "xlsx", "xml")
 """The endings of `tandem.report.files.EXPORTERS`."""
+CHARTS = ("front", "gantt", "graph")
+"""What `tandem.report.files.CHARTS` draws."""
 EVERY_S = 0.1
 """Progress is told no more often."""
 EXPLAINING_S = 5.0
@@ -214,9 +216,9 @@ def explain(request: Json, tell: Tell) -> Json:
 
 
 def report(request: Json, tell: Tell) -> Json:
-    """A stored plan as a file of its kind."""
+    """A stored plan as a file of its kind, or one of its charts as a picture."""
     from tandem.plan.choice import point_of
-    from tandem.report.files import write
+    from tandem.report.files import write, write_chart
     from tandem.report.stored import read_plan
 
     form = request["form"]
@@ -233,9 +235,12 @@ def report(request: Json, tell: Tell) -> Json:
         point = request.get("point")
         if point is not None:
             point_of(front, point, None, None)
-        path = Path(folder) / f"plan.{form}"
-        today = datetime.date.today().isoformat()
-        write(front, path, date=today, language=request.get("lang", "en"), point=point)
+        chart, shown = request.get("chart"), {"language": request.get("lang", "en"), "point": point}
+        path = Path(folder) / f"{chart or 'plan'}.{form}"
+        if chart is None:
+            write(front, path, date=datetime.date.today().isoformat(), **shown)
+        else:
+            write_chart(front, path, chart, **shown)
         content = path.read_bytes()
     kind = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     return {"content": base64.b64encode(content).decode(), "name": path.name, "type": kind}
@@ -320,7 +325,13 @@ JOBS: dict[str, Job] = {
     ),
     "report": Job(
         report,
-        {"plan": TABLE, "point": WHOLE, "form": one_of(FORMS), "lang": LANGUAGE},
+        {
+            "plan": TABLE,
+            "point": WHOLE,
+            "form": one_of(FORMS),
+            "chart": one_of(CHARTS),
+            "lang": LANGUAGE,
+        },
         ("plan", "form"),
         of_a_cell=False,
     ),

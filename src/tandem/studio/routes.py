@@ -457,7 +457,8 @@ ROUTES: tuple[Route, ...] = (
         "POST",
         "/api/report",
         report,
-        "A plan as a file: report, table, picture, workbook.",
+        "A plan as a file: report, table, picture, workbook; with `chart`, that one alone as a"
+        " picture.",
         asks="report",
         answers={200: "application/octet-stream", **fails(400, 403, 422, 503)},
     ),
