@@ -55,6 +55,7 @@ def application(session: Session, *, hosts: tuple[str, ...], token: str) -> App:
     app = Starlette(
         routes=routes, lifespan=alive, exception_handlers={HTTPException: _told_by_starlette}
     )
+    app.router.redirect_slashes = False
     return Guard(app, hosts=hosts, token=token, with_token=("/api/plan/stream",))
 
 
