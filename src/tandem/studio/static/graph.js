@@ -16,7 +16,7 @@ import { computed, effect, html, observed, signal, useRef } from "./view.js";
 /** @typedef {{node: Place, at: Map<string, Place>, curves: Map<string, Place[]>}} Layers where tasks stand and how arrows run, by the server. */
 
 const HEIGHT = 40;
-const LEAST_WIDTH = 64;
+const LEAST_WIDTH = 88;
 const MOST_LETTERS = 22;
 const MARGIN = 12;
 const HOLD_PX = 4;
