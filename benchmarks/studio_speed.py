@@ -130,18 +130,45 @@ def first_look(browser: Any, work: Path) -> None:
     say("the page, gzipped", size, "kB", 300)
     with served(browser, cell) as (page, address, started):
         say("the server answers after", started * 1000, "ms", 1000)
+        counter = counting(page)
         page.goto(address)
         interactive = page.evaluate(INTERACTIVE)
+        spent = busy(counter)
         say("first paint", page.evaluate(PAINTED), "ms", 300)
         say("interactive", interactive, "ms", 1000)
+        say("work of the page until then", 1000 * spent["task"], "ms", 1000, parts(spent))
         time.sleep(5)  # a reader looks before the key is pressed
         say("the front after the key", page.evaluate(KEY_TO_FRONT, "all proven"), "ms", 500)
         page.locator("td[data-row='0'][data-column='0']").click()
         # the block goes where the table's first column is
         block = "\n".join(f"p{i}\t\t{i % 9 + 1}\t{i % 7 + 1}" for i in range(ROWS))
+        before = busy(counter)
         say(f"a paste of {ROWS} rows", page.evaluate(PASTE, block), "ms", 300)
+        spent = less(busy(counter), before)
+        say("work of the page for it", 1000 * spent["task"], "ms", 300, parts(spent))
         rows = page.locator("[role=grid] tbody tr").count()
         assert rows >= ROWS, f"only {rows} rows are there"
+        page.goto("about:blank")
+        page.goto(address)
+        again = page.evaluate(INTERACTIVE)
+        say("opened again: first paint", page.evaluate(PAINTED), "ms", 300)
+        say("opened again: interactive", again, "ms", 1000)
+
+
+def counting(page: Any) -> Any:
+    """What counts the processor time of the page's thread, which a busy machine changes little."""
+    counter = page.context.new_cdp_session(page)
+    counter.send("Performance.enable", {"timeDomain": "threadTicks"})
+    return counter
+
+
+def less(after: dict[str, float], before: dict[str, float]) -> dict[str, float]:
+    return {what: after[what] - before[what] for what in after}
+
+
+def parts(spent: dict[str, float], times: int = 1) -> str:
+    named = ("script", "style", "layout")
+    return ", ".join(f"{what} {1000 * spent[what] / times:.2f}" for what in named)
 
 
 def busy(counter: Any) -> dict[str, float]:
@@ -171,8 +198,7 @@ def dragged(browser: Any, work: Path, count: int) -> None:
         page.evaluate(LISTEN)
         page.mouse.move(x, y)
         page.mouse.down()
-        counter = page.context.new_cdp_session(page)
-        counter.send("Performance.enable", {"timeDomain": "threadTicks"})
+        counter = counting(page)
         before = busy(counter)
         for step in range(MOVES):
             page.mouse.move(x + 6 + step * 4, y + (step % 20) * 3)
@@ -182,10 +208,9 @@ def dragged(browser: Any, work: Path, count: int) -> None:
         found: list[float] = sorted(page.evaluate("delays"))
     p95, median = statistics.quantiles(found, n=20)[-1], statistics.median(found)
     aim = PICTURE_MS.get(count, 33)
-    # processor time of the page's thread, which a busy machine changes little
-    spent = {what: 1000 * (after[what] - before[what]) / MOVES for what in after}
-    parts = ", ".join(f"{what} {spent[what]:.2f}" for what in ("script", "style", "layout"))
-    say(f"work of the page a move, {count} bars", spent["task"], "ms", aim, parts)
+    spent = less(after, before)
+    more = parts(spent, MOVES)
+    say(f"work of the page a move, {count} bars", 1000 * spent["task"] / MOVES, "ms", aim, more)
     say(f"pointer to picture, {count} bars, p95", p95, "ms", aim, f"median {median:.1f} ms")
 
 

@@ -62,26 +62,31 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
         yield running
 
 
+def load(browser: Any, server: Running, language: str, scheme: str) -> Any:
+    """A page in a context of its own, which shows the cell."""
+    context = browser.new_context(
+        viewport={"width": 1280, "height": 900},
+        locale={"en": "en-US", "de": "de-DE"}[language],
+        color_scheme=scheme,
+    )
+    context.set_default_timeout(PATIENCE_MS)
+    page = context.new_page()
+    page.goto(server.line)
+    page.get_by_role("grid").wait_for()
+    return page
+
+
 @pytest.fixture
 def opened(browser: Any, server: Running) -> Iterator[Callable[[str, str], Any]]:
-    contexts = []
+    pages = []
 
-    def load(language: str, scheme: str) -> Any:
-        context = browser.new_context(
-            viewport={"width": 1280, "height": 900},
-            locale={"en": "en-US", "de": "de-DE"}[language],
-            color_scheme=scheme,
-        )
-        contexts.append(context)
-        context.set_default_timeout(PATIENCE_MS)
-        page = context.new_page()
-        page.goto(server.line)
-        page.get_by_role("grid").wait_for()
-        return page
+    def kept(language: str, scheme: str) -> Any:
+        pages.append(load(browser, server, language, scheme))
+        return pages[-1]
 
-    yield load
-    for context in contexts:
-        context.close()
+    yield kept
+    for page in pages:
+        page.context.close()
 
 
 def button(page: Any, words: dict[str, str], key: str) -> Any:
@@ -135,6 +140,52 @@ def test_no_view_of_the_studio_has_a_serious_fault(
     button(page, words, "button.plan").click()
     page.locator(".side .faults").wait_for()
     told["no plan"] = serious(page)
+    assert {view: faults for view, faults in told.items() if faults} == {}
+
+
+def test_no_view_that_is_seldom_seen_has_a_serious_fault(browser: Any, tmp_path: Path) -> None:
+    """An empty folder, a workbook on its way in, a file that somebody else has written meanwhile,
+    and what was not saved when the server stopped.
+    """
+    folder, book = tmp_path / "cells", tmp_path / "line 3.csv"
+    folder.mkdir()
+    book.write_text("Step;Robot [s];Human [s];EAWS;needs\npress;9;10;10;\nhold;;8;11;press\n")
+    cell, told = folder / "cell.yaml", {}
+    looks = [("en", "light"), ("de", "dark")]
+
+    def seen(page: Any, language: str, view: str) -> None:
+        told[language, view] = serious(page)
+
+    with Running(folder) as running:
+        for language, scheme in looks:
+            cell.unlink(missing_ok=True)
+            page, words = load(browser, running, language, scheme), WORDS[language]
+            page.get_by_text(words["table.empty"]).wait_for()
+            seen(page, language, "an empty folder")
+            page.get_by_label(words["import.button"]).set_input_files(book)
+            page.locator(".preview table").wait_for()
+            seen(page, language, "a workbook")
+            page.locator(".preview button.first").click()
+            button(page, words, "button.save").click()
+            page.locator("header h1", has_text=words["file.unsaved"]).wait_for(state="detached")
+            cell.write_text(cell.read_text() + "# by another hand\n")
+            page.locator("td[data-row='0'][data-column='1']").click()
+            page.keyboard.type("12")
+            page.keyboard.press("Enter")
+            button(page, words, "button.save").click()
+            page.locator(".newer").wait_for()
+            seen(page, language, "a newer file")
+            with page.expect_response(lambda answer: answer.url.endswith("/api/draft")):
+                button(page, words, "button.add_task").click()
+            page.context.close()
+        assert running.end()[0] == 0
+    with Running(folder) as running:
+        for language, scheme in looks:
+            page = load(browser, running, language, scheme)
+            page.locator(".newer").wait_for()
+            seen(page, language, "what was not saved")
+            page.context.close()
+    assert len(told) == 4 * len(looks)
     assert {view: faults for view, faults in told.items() if faults} == {}
 
 

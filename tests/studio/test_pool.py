@@ -34,6 +34,8 @@ def test_all_that_may_work_at_once_have_loaded_before_the_first_bar_is_dragged()
     async def asked() -> tuple[list[Any], int]:
         pool = Pool()
         await pool.start()
+        assert pool.ready == 0
+        await pool.wake()
         async with asyncio.timeout(PATIENCE_S):
             while pool.ready < AT_ONCE:
                 await asyncio.sleep(0.05)

@@ -9,6 +9,8 @@ import jsonschema
 import pytest
 
 import tandem
+from tandem.draw.lanes import lanes
+from tandem.draw.layers import layers
 from tandem.explain.waiting import waiting
 from tandem.schedule import measures as of
 from tandem.schedule.critical import critical_path
@@ -59,6 +61,46 @@ def test_how_operators_fare_is_what_the_package_measures(server, front):
     assert told["changed"] is None
 
 
+def test_the_lanes_are_those_of_every_other_chart(server):
+    cell = tandem.load(THESIS.with_name("control-box.yaml"))
+    found = tandem.plan(cell, method="longest-tail", workers=1)[0].schedule
+    body = {"cell": cell.to_dict(), "assignments": found.to_list()}
+    told = described(server, "/api/measures", server.ask("POST", "/api/measures", body).json)
+    drawn = lanes(cell, found, until=of.makespan(found))
+    for one, lane in zip(told["lanes"], drawn, strict=True):
+        assert one["operator"] == lane.look.operator
+        assert (one["busy"], one["share"]) == (lane.busy, lane.utilisation)
+        assert one["shaded"] == [vars(off) for off in lane.shaded]
+        waits = [(bar.task, since, bar.start) for bar in lane.bars for since in bar.since]
+        assert [(w["task"], w["start"], w["end"]) for w in one["waits"]] == waits
+    kinds = {off["kind"] for one in told["lanes"] for off in one["shaded"]}
+    assert kinds == {"changeover"}
+    assert any(one["waits"] for one in told["lanes"])
+
+
+def test_of_a_plan_of_other_tasks_there_are_no_lanes(server, front):
+    told = server.ask("POST", "/api/measures", {"assignments": rows(front[0])[1:]}).json
+    assert described(server, "/api/measures", told)["lanes"] is None
+
+
+def test_the_graph_is_laid_out_as_in_every_other_picture(server):
+    cell = tandem.load(THESIS.with_name("control-box.yaml"))
+    body = {"after": [[name, list(task.predecessors)] for name, task in cell.tasks.items()]}
+    told = described(server, "/api/graph", server.ask("POST", "/api/graph", body).json)
+    drawn = layers(cell)
+    assert {one["task"]: tuple(one["at"]) for one in told["at"]} == drawn.at
+    assert {(one["after"], one["task"]) for one in told["arrows"]} == set(drawn.arrows)
+
+
+def test_a_circle_is_opened_where_the_graph_is_drawn(server):
+    body = {"after": [["a", ["c", "none"]], ["b", ["a", "b"]], ["c", ["b"]]]}
+    told = described(server, "/api/graph", server.ask("POST", "/api/graph", body).json)
+    assert {one["task"] for one in told["at"]} == {"a", "b", "c"}
+    assert [(one["after"], one["task"]) for one in told["arrows"]] == [("c", "a"), ("a", "b")]
+    wrong = server.ask("POST", "/api/graph", {"after": [["a", "b"]]})
+    assert (wrong.status, "after is" in wrong.json["error"]) == (400, True)
+
+
 def test_breaks_are_rest_and_not_idle(server):
     cell = {
         "operators": {"ann": {"kind": "human", "breaks": [[4, 6], [9, 30]]}},
@@ -90,6 +132,16 @@ def test_of_a_plan_that_breaks_its_cell_nothing_critical_is_claimed(server, fron
     told = server.ask("POST", "/api/measures", {"assignments": broken}).json
     assert described(server, "/api/measures", told)["sound"] is False
     assert (told["operators"], told["tasks"], told["path"]) == (None, None, None)
+
+
+def test_why_there_is_no_plan_is_said_in_german_too(server):
+    body = {"options": {"max_makespan": 22}, "lang": "de"}
+    answer = server.ask("POST", "/api/plan", body)
+    assert (answer.status, answer.json["exit"]) == (422, 4)
+    why = answer.json["infeasible"]
+    assert why["reasons"][0] == "Nicht einzuhalten: die Grenze der Dauer (22 s)."
+    assert why["reasons"][1].startswith("Geht ohne dies: die Grenze der Dauer (22 s); dann 23 s")
+    assert why["together"][0]["words"] == "die Grenze der Dauer (22 s)"
 
 
 def test_two_cells_are_compared_key_by_key_and_point_by_point(server, front):

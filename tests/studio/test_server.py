@@ -21,6 +21,7 @@ from tandem.files.load import load
 from tests.studio.running import Running, until
 
 THESIS = Path("examples/thesis.yaml")
+STATIC = Path("src/tandem/studio/static")
 LARGE = {
     "operators": {"ann": {"kind": "human"}, "bob": {"kind": "human"}, "cob": {"kind": "robot"}},
     "tasks": {
@@ -490,6 +491,36 @@ def test_a_report_is_made_of_the_plan_that_is_sent(server, plan, form, begins):
     assert answer.headers["content-disposition"] == f'attachment; filename="plan.{form}"'
 
 
+def test_the_first_page_names_all_that_it_needs_and_each_of_it_is_asked_for_once(server):
+    first = server.ask("GET", "/")
+    assert first.headers["cache-control"] == "no-cache"
+    named = set(re.findall(r'(?:href|src)="(/static/[^"]+)"', first.body.decode()))
+    files = {path.rpartition("/")[2] for path in named}
+    assert {path.name for path in STATIC.rglob("*.js")} < files
+    assert {"studio.css", "words_en.json", "words_de.json"} < files
+    (version,) = {path.split("/")[2] for path in named}
+    for path in named:
+        answer = server.ask("GET", path)
+        assert answer.status == 200
+        assert "immutable" in answer.headers["cache-control"]
+        other = server.ask("GET", path.replace(version, "0" * len(version)))
+        assert (other.status, "cache-control" in other.headers) == (404, False)
+
+
+@pytest.mark.parametrize(
+    ("chart", "says"),
+    [("front", "Belastung"), ("gantt", "task 6 human"), ("graph", "7 Vorgänge; längste Kette")],
+)
+def test_a_chart_alone_is_a_picture_in_the_language_of_the_page(server, plan, chart, says):
+    body = {"plan": plan, "point": 1, "form": "svg", "chart": chart, "lang": "de"}
+    answer = server.ask("POST", "/api/report", body)
+    assert answer.status == 200
+    assert says in answer.body.decode()
+    assert f'filename="{chart}.svg"' in answer.headers["content-disposition"]
+    none = server.ask("POST", "/api/report", {**body, "form": "csv"})
+    assert (none.status, "a picture's name ends in" in none.json["error"]) == (400, True)
+
+
 def test_a_plan_that_breaks_its_cell_is_no_report(server, plan):
     wrong = json.loads(json.dumps(plan))
     wrong["front"][0]["assignments"][0]["start"] += 1
@@ -537,8 +568,7 @@ def test_the_wheel_holds_every_file_of_the_page(tmp_path):
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
     subprocess.run(build, check=True, capture_output=True, timeout=120)
     (wheel,) = tmp_path.glob("*.whl")
-    static = Path("src/tandem/studio/static")
-    files = {path.relative_to("src").as_posix() for path in static.rglob("*") if path.is_file()}
+    files = {path.relative_to("src").as_posix() for path in STATIC.rglob("*") if path.is_file()}
     assert "tandem/studio/static/index.html" in files
     assert files <= set(zipfile.ZipFile(wheel).namelist())
 
@@ -573,6 +603,7 @@ def test_the_openapi_document_says_what_every_route_answers(server, plan, tmp_pa
         ("post", "/api/replan"): {"assignments": rows, "place": place, "time_limit": 60},
         ("post", "/api/measures"): {"assignments": rows, "before": rows},
         ("post", "/api/compare"): {"other": load(THESIS).to_dict()},
+        ("post", "/api/graph"): {"after": [["1", []], ["2", ["1"]]]},
         ("post", "/api/recommend"): {"points": [[23, 7], [24, 3]], "share": 0.5},
         ("post", "/api/explain"): {"assignments": rows, "task": "6"},
         ("post", "/api/report"): {"plan": plan, "form": "csv"},

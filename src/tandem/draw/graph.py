@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
-from tandem.cell.written import seconds
 from tandem.draw.figure import NODE, PITCH, axes_or_new, graph_size, legend_below
 from tandem.draw.language import Words, words
 from tandem.draw.layers import Layers, layers
@@ -53,15 +52,17 @@ def chips(cell: Cell, task: str, t: Words) -> tuple[Chip, ...]:
     return (*first, Chip(f"+{len(timed) - len(first)}", ()))
 
 
-def plot_graph(cell: Cell, ax: Axes | None = None, *, legend: bool = True) -> Axes:
+def plot_graph(
+    cell: Cell, ax: Axes | None = None, *, legend: bool = True, language: str = "en"
+) -> Axes:
     """Draws the precedence graph in layers from left to right and returns the axes.
 
     Each task shows who can do it and in how many seconds: an operator's colour, hatch and letters.
     Arrows that follow from others are left out. Bold outlines and arrows mark the longest chain in
     the quickest modes, which no schedule can beat. Tasks without any precedence stand below the
-    others.
+    others. Raises UsageError when pictures do not speak the language.
     """
-    drawn = layers(cell)
+    drawn, t = layers(cell), words(language)
     ax = axes_or_new(ax, graph_size(drawn))
     columns, rows = drawn.extent
     ax.set_xlim(-0.5 - 0.04, columns - 0.5 + 0.04)
@@ -69,16 +70,16 @@ def plot_graph(cell: Cell, ax: Axes | None = None, *, legend: bool = True) -> Ax
     ax.set_axis_off()
     _arrows(ax, drawn)
     for task in cell.tasks:
-        _node(ax, cell, task, drawn.at[task], critical=task in drawn.critical)
-    count = f"{len(cell.tasks)} {'task' if len(cell.tasks) == 1 else 'tasks'}"
+        _node(ax, cell, task, drawn.at[task], t, critical=task in drawn.critical)
+    count = t.count("picture.tasks", len(cell.tasks))
     ax.set_title(
-        f"{count}; longest chain {seconds(drawn.critical_s)}",
+        t("picture.chain", tasks=count, seconds=t.seconds(drawn.critical_s)),
         loc="left",
         fontsize=11,
         fontweight="bold",
     )
     if legend:
-        _legend(ax, cell)
+        _legend(ax, cell, t)
     return ax
 
 
@@ -131,7 +132,9 @@ def critical_pairs(drawn: Layers) -> set[tuple[str, str]]:
     return set(itertools.pairwise(drawn.critical))
 
 
-def _node(ax: Axes, cell: Cell, task: str, at: tuple[float, float], *, critical: bool) -> None:
+def _node(
+    ax: Axes, cell: Cell, task: str, at: tuple[float, float], t: Words, *, critical: bool
+) -> None:
     import matplotlib
     from matplotlib.patches import Rectangle
 
@@ -160,7 +163,7 @@ def _node(ax: Axes, cell: Cell, task: str, at: tuple[float, float], *, critical:
         turn=False,
         fontweight="bold",
     )
-    found = chips(cell, task, words())
+    found = chips(cell, task, t)
     gap, inner = 0.03 * width, 0.94 * width
     each = (inner - gap * (len(found) - 1)) / len(found)
     for place, chip in enumerate(found):
@@ -196,7 +199,7 @@ def _node(ax: Axes, cell: Cell, task: str, at: tuple[float, float], *, critical:
         )
 
 
-def _legend(ax: Axes, cell: Cell) -> None:
+def _legend(ax: Axes, cell: Cell, t: Words) -> None:
     from matplotlib.patches import Patch
 
     entries: list[tuple[Artist, str]] = [
@@ -206,9 +209,8 @@ def _legend(ax: Axes, cell: Cell) -> None:
         )
         for look in looks(cell).values()
     ]
-    legend_below(
-        ax, [*entries, (Patch(fill=False, edgecolor=INK, lw=2.2), "longest chain")], inches=0.05
-    )
+    longest = (Patch(fill=False, edgecolor=INK, lw=2.2), t("picture.longest"))
+    legend_below(ax, [*entries, longest], inches=0.05)
 
 
 def legend_words(look: Look) -> str:

@@ -18,6 +18,8 @@ from decimal import Decimal
 from tandem.cell.model import Cell
 
 SWEEPS = 12
+Point = tuple[float, float]
+"""Column and row."""
 
 
 @dataclass(frozen=True)
@@ -44,42 +46,76 @@ class Layers:
 
 def layers(cell: Cell) -> Layers:
     """The cell's precedence graph in layers. The same cell gives the same picture."""
-    after = reduced(cell)
     critical, length = critical_chain(cell)
+    return Layers(*arranged(reduced(cell)), critical, length)
+
+
+def arranged(
+    after: Mapping[str, Sequence[str]],
+) -> tuple[dict[str, Point], dict[tuple[str, str], tuple[Point, ...]]]:
+    """Where tasks stand and how their arrows run, as in `Layers`, from each one's direct
+    predecessors: without circles, and without arrows that follow from others.
+    """
     linked = {name for name, firsts in after.items() if firsts} | {
         first for firsts in after.values() for first in firsts
     }
     free = [name for name in after if name not in linked]
-    at, arrows = _linked_part({name: after[name] for name in after if name in linked})
-    return Layers({**at, **_free_part(free, at)}, arrows, critical, length)
+    at, arrows = _linked_part({name: tuple(after[name]) for name in after if name in linked})
+    return {**at, **_free_part(free, at)}, arrows
 
 
 def reduced(cell: Cell) -> dict[str, tuple[str, ...]]:
     """Task -> the predecessors that do not already follow from another predecessor."""
+    return without_implied({name: task.predecessors for name, task in cell.tasks.items()})
+
+
+def without_implied(after: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
+    """The same without predecessors that follow from others. Whatever stands on a circle is left
+    out; `without_circles` opens them.
+    """
     above: dict[str, frozenset[str]] = {}
     direct: dict[str, tuple[str, ...]] = {}
-    for name in topological(cell):
-        firsts = cell.tasks[name].predecessors
+    for name in topological(after):
+        firsts = after[name]
         implied: frozenset[str] = frozenset().union(*(above[first] for first in firsts))
         direct[name] = tuple(first for first in firsts if first not in implied)
         above[name] = implied | set(firsts)
-    return {name: direct[name] for name in cell.tasks}
+    return {name: direct[name] for name in after if name in direct}
 
 
-def topological(cell: Cell) -> list[str]:
-    """Task names so that predecessors come first; otherwise in the cell's order."""
-    waiting = {name: len(task.predecessors) for name, task in cell.tasks.items()}
-    behind: dict[str, list[str]] = {name: [] for name in cell.tasks}
-    for name, task in cell.tasks.items():
-        for first in task.predecessors:
+def without_circles(after: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
+    """The same without what no graph in layers can show: each arrow in its order stays unless it
+    comes from no task of these, is there already, or closes a circle with those that stay.
+    """
+    kept: dict[str, list[str]] = {name: [] for name in after}
+    for name, firsts in after.items():
+        for first in firsts:
+            if first in kept and first not in kept[name] and not _is_above(name, first, kept):
+                kept[name].append(first)
+    return {name: tuple(firsts) for name, firsts in kept.items()}
+
+
+def _is_above(first: str, name: str, after: Mapping[str, Sequence[str]]) -> bool:
+    """Whether the task is the other one, or comes before it."""
+    seen, waiting = {name}, [name]
+    for then in waiting:
+        more = [other for other in after[then] if other not in seen]
+        seen.update(more)
+        waiting += more
+    return first in seen
+
+
+def topological(after: Mapping[str, Sequence[str]]) -> list[str]:
+    """Task names so that predecessors come first; otherwise in their own order."""
+    places = {name: place for place, name in enumerate(after)}
+    waiting = {name: len(firsts) for name, firsts in after.items()}
+    behind: dict[str, list[str]] = {name: [] for name in after}
+    for name, firsts in after.items():
+        for first in firsts:
             behind[first].append(name)
     ready = [name for name, count in waiting.items() if count == 0]
     for name in ready:
-        for later in (
-            sorted(behind[name], key=list(cell.tasks).index)
-            if len(behind[name]) > 1
-            else behind[name]
-        ):
+        for later in sorted(behind[name], key=places.__getitem__):
             waiting[later] -= 1
             if waiting[later] == 0:
                 ready.append(later)
@@ -92,7 +128,7 @@ def critical_chain(cell: Cell) -> tuple[tuple[str, ...], float]:
     """
     ends: dict[str, Decimal] = {}
     back: dict[str, str | None] = {}
-    for name in topological(cell):
+    for name in topological({name: task.predecessors for name, task in cell.tasks.items()}):
         task = cell.tasks[name]
         gap = {w.after: w.at_least for w in task.wait if w.between == "end-start"}
         ready = {
@@ -113,9 +149,6 @@ def critical_chain(cell: Cell) -> tuple[tuple[str, ...], float]:
 
 Node = tuple[str, str, int]
 """A task `(name, "", 0)`, or the placeholder of an arrow in a column `(first, second, column)`."""
-
-
-Point = tuple[float, float]
 
 
 def _linked_part(

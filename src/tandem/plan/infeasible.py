@@ -7,18 +7,36 @@ What is found is therefore something the user can do, and not a statement about 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from time import monotonic
 from typing import Any, NamedTuple
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.parts import Operator, Table, Task, Tool, Wait, Zone
-from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
 from tandem.plan.least_limits import first_schedule, least_limit
 from tandem.plan.question import Question
+from tandem.schedule.measures import exact as exact_number
+from tandem.schedule.said import said
+
+in_words = partial(said, package="tandem.plan")
+"""A sentence, or a part of one, that can be said in other languages too."""
+
+
+def _and(names: Sequence[str]) -> str:
+    """All of them, with an "and" between each two."""
+    whole = names[0]
+    for name in names[1:]:
+        whole = in_words("both", one=whole, other=name)
+    return whole
+
+
+def _kinds(kinds: Iterable[str]) -> list[str]:
+    return [in_words(f"kind.{kind}") for kind in kinds]
+
 
 EACH_S = 5.0
 """Seconds for one question "is there a schedule without this?"."""
@@ -60,9 +78,7 @@ class Core(NamedTuple):
     def doubt(self) -> list[str]:
         """A sentence about those that were not shown to be needed, where there are any."""
         words = [x.words for x, needed in zip(self.items, self.needed, strict=True) if not needed]
-        if not words:
-            return []
-        return [f"There was no time to show that this needs {' and '.join(words)}: fewer may do."]
+        return [in_words("doubt", limits=_and(words))] if words else []
 
     def to_dict(self) -> dict[str, Any]:
         """As a document holds it."""
@@ -121,10 +137,12 @@ class Gain:
     def sentence(self) -> str:
         """In words."""
         if self.makespan is None or self.stress is None:
-            return f"Lifting {self.limit.words} alone does not help."
-        return (
-            f"Without {self.limit.words} it works: {number(self.makespan)} s with a stress of"
-            f" {number(self.stress)}."
+            return in_words("gain.none", limit=self.limit.words)
+        return in_words(
+            "gain",
+            limit=self.limit.words,
+            makespan=exact_number(self.makespan),
+            stress=exact_number(self.stress),
         )
 
 
@@ -147,11 +165,7 @@ class Conflict:
     def sentences(self) -> list[str]:
         """In words. Each that says "without it there is a schedule" was found by planning so."""
         names = [limit.words for limit in self.core.items]
-        together = (
-            f"{names[0]} cannot be kept."
-            if len(names) == 1
-            else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together."
-        )
+        together = in_words("alone" if len(names) == 1 else "together", limits=tuple(names))
         least = [one.sentence() for one in self.least]
         return [together, *self.core.doubt(), *least, *(gain.sentence() for gain in self.gains)]
 
@@ -184,8 +198,9 @@ class LeastLimit:
 
     def sentence(self) -> str:
         """In words."""
-        who = "each of them" if len(self.people) > 1 else self.people[0]
-        return f"The least limit that {who} can keep{self.beside} is {number(self.limit)}."
+        who = in_words("each") if len(self.people) > 1 else self.people[0]
+        least = exact_number(self.limit)
+        return in_words("least", who=who, beside=self.beside, limit=least)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -225,10 +240,10 @@ KEEP_AWAY = ("breaks", "setup")
 def limits(cell: Cell, question: Question) -> Iterator[Limit]:
     """Everything that could be lifted: the question's limits first, then the cell's."""
     if question.max_makespan is not None:
-        words = f"the limit on the makespan ({number(question.max_makespan)} s)"
+        words = in_words("max_makespan", limit=exact_number(question.max_makespan))
         yield Limit(words, ("question", "max_makespan"))
     if question.max_stress is not None:
-        words = f"the limit on stress ({number(question.max_stress)})"
+        words = in_words("max_stress", limit=exact_number(question.max_stress))
         yield Limit(words, ("question", "max_stress"))
     for rule in (on_people, _on_ends, _on_who_does_what, _on_who_and_what_is_there, _on_room):
         yield from rule(cell)
@@ -238,26 +253,26 @@ def on_people(cell: Cell) -> Iterator[Limit]:
     """What people may have at most."""
     for name, operator in cell.operators.items():
         if operator.stress_limit is not None:
-            words = f"the stress limit of {name} ({number(operator.stress_limit)})"
+            limit = exact_number(operator.stress_limit)
+            words = in_words("stress_limit", name=name, limit=limit)
             yield Limit(words, ("operators", name, "stress_limit"))
         for measure, most in operator.limits.items():
-            words = f"the limit of {name} on {measure} ({number(most)})"
+            words = in_words("limits", name=name, measure=measure, limit=exact_number(most))
             yield Limit(words, ("operators", name, "limits", measure))
 
 
 def _on_ends(cell: Cell) -> Iterator[Limit]:
     for name, task in cell.tasks.items():
         if task.deadline is not None:
-            words = f"the deadline of task {name} ({number(task.deadline)} s)"
+            words = in_words("deadline", task=name, limit=exact_number(task.deadline))
             yield Limit(words, ("tasks", name, "deadline"))
 
 
 def _on_who_does_what(cell: Cell) -> Iterator[Limit]:
     if cell.stress_of_set is not None:
-        words = "the list of allowed sets of human tasks (stress_of_set)"
-        yield Limit(words, ("stress_of_set",))
+        yield Limit(in_words("stress_of_set"), ("stress_of_set",))
     for one, two in cell.same_operator:
-        words = f"that tasks {one} and {two} need the same operators"
+        words = in_words("same_operator", one=one, two=two)
         yield Limit(words, ("same_operator", one, two))
 
 
@@ -265,32 +280,34 @@ def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
     for name, operator in cell.operators.items():
         for key in KEEP_AWAY:
             if getattr(operator, key):
-                yield Limit(f"the {key} of {name}", ("operators", name, key))
+                yield Limit(in_words(key, name=name), ("operators", name, key))
         for pair in operator.holds:
-            words = f"that {name} holds a part from task {pair[0]} to task {pair[1]}"
+            words = in_words("holds", name=name, first=pair[0], last=pair[1])
             yield Limit(words, ("operators", name, "holds", *pair))
     for name, times in cell.walking.items():
         if times:
-            yield Limit(f"the time that {name} takes to walk", ("walk", name))
+            yield Limit(in_words("walk", name=name), ("walk", name))
     for name, task in cell.tasks.items():
         if task.release > 0:
-            words = f"the release of task {name} ({number(task.release)} s)"
+            words = in_words("release", task=name, limit=exact_number(task.release))
             yield Limit(words, ("tasks", name, "release"))
         for place, wait in enumerate(task.wait):
             if wait.at_most is not None:
-                words = f"that task {name} starts at most {number(wait.at_most)} s after task"
-                yield Limit(
-                    f"{words} {_since(wait)}", ("tasks", name, "wait", str(place), "at_most")
+                words = in_words(
+                    f"at_most.{wait.between}",
+                    task=name,
+                    limit=exact_number(wait.at_most),
+                    other=wait.after,
                 )
+                yield Limit(words, ("tasks", name, "wait", str(place), "at_most"))
             if wait.at_least:
-                words = f"that task {name} waits at least {number(wait.at_least)} s after task"
-                yield Limit(
-                    f"{words} {_since(wait)}", ("tasks", name, "wait", str(place), "at_least")
+                words = in_words(
+                    f"at_least.{wait.between}",
+                    task=name,
+                    limit=exact_number(wait.at_least),
+                    other=wait.after,
                 )
-
-
-def _since(wait: Wait) -> str:
-    return f"{wait.after} has {'ended' if wait.between == 'end-start' else 'started'}"
+                yield Limit(words, ("tasks", name, "wait", str(place), "at_least"))
 
 
 def _with_longer_wait(task: Task, place: int, key: str) -> Task:
@@ -306,11 +323,11 @@ def _on_room(cell: Cell) -> Iterator[Limit]:
     for kind, used in (("zones", zones), ("tools", tools)):
         for name in sorted(used):
             shared = getattr(cell, kind).get(name)
-            words = f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}"
+            words = in_words(kind, name=name, capacity=shared.capacity if shared else 1)
             yield Limit(words, (kind, name))
     for name in sorted(x for x in zones if x in cell.zones):
         if apart := cell.zones[name].apart:
-            words = f"that zone {name} keeps {' and '.join(apart)} apart"
+            words = in_words("apart", name=name, kinds=_and(_kinds(apart)))
             yield Limit(words, ("zones", name, "apart"))
 
 
@@ -385,11 +402,11 @@ def _least_stress_limits(
 
 def _beside(cell: Cell, people: Sequence[str], name: str) -> str:
     others = [
-        f"{other} at {number(cell.operators[other].stress_limit or 0.0)}"
+        in_words("at", name=other, limit=exact_number(cell.operators[other].stress_limit or 0.0))
         for other in people
         if other != name
     ]
-    return f" with {' and '.join(others)}" if others else ""
+    return in_words("beside", others=_and(others)) if others else ""
 
 
 def _possible(cell: Cell, question: Question, lifted: Sequence[Limit], until: float) -> bool | None:

@@ -10,9 +10,13 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tandem.cell.written import number
+from tandem.draw.figure import figure_for
+from tandem.draw.front import plot_front
+from tandem.draw.gantt import plot_gantt
+from tandem.draw.graph import plot_graph
 from tandem.draw.imprint import imprint
 from tandem.draw.saving import save
 from tandem.draw.style import task_label
@@ -24,6 +28,9 @@ from tandem.report.html import write_html
 from tandem.report.language import words
 from tandem.schedule.critical import critical_path, slack
 from tandem.schedule.measures import mode_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 COLUMNS = (
     "point", "makespan_s", "stress", "status", "bound_makespan_s", "bound_stress", "knee",
@@ -60,6 +67,49 @@ def write(
         raise UsageError(_not_ready(Path(path)))
     EXPORTERS[ending].write(front, Path(path), About(command, date, language, point, stale))
     return Path(path)
+
+
+def write_chart(
+    front: Front,
+    path: str | os.PathLike[str],
+    chart: str,
+    *,
+    language: str = "en",
+    point: int | None = None,
+) -> Path:
+    """Writes one chart alone as a picture, a line of `CHARTS`, and returns where.
+
+    Args:
+      point: whose schedule is shown, counted from 1; the recommended one when not given.
+
+    Raises UsageError when there is no such chart, or no picture has this ending; OSError.
+    """
+    if chart not in CHARTS:
+        raise UsageError(f"there is no chart {chart!r}. There are {', '.join(CHARTS)}.")
+    result = front.shown(point)
+    figure = figure_for(front.cell, result.schedule, kind=chart)
+    CHARTS[chart](front, figure.axes[0], language, point)
+    return save(figure, path, about=imprint(result, words(language)))
+
+
+def _chart_of_front(front: Front, ax: Axes, language: str, point: int | None) -> None:
+    plot_front(front, ax, language=language, point=point)
+
+
+def _chart_of_plan(front: Front, ax: Axes, language: str, point: int | None) -> None:
+    plot_gantt(front.cell, front.shown(point).schedule, ax, language=language)
+
+
+def _chart_of_precedence(front: Front, ax: Axes, language: str, point: int | None) -> None:
+    plot_graph(front.cell, ax, language=language)
+
+
+CHARTS: dict[str, Callable[[Front, Axes, str, int | None], None]] = {
+    "front": _chart_of_front,
+    "gantt": _chart_of_plan,
+    "graph": _chart_of_precedence,
+}
+"""Name -> what draws one chart alone."""
 
 
 def ready_to_write(paths: Iterable[str | os.PathLike[str]]) -> None:

@@ -29,7 +29,7 @@ from tandem.schedule.measures import (
     unlisted_set,
 )
 from tandem.schedule.model import Assignment, Schedule
-from tandem.schedule.said import Said, listed, num, said
+from tandem.schedule.said import Said, num, said
 
 
 def faults(
@@ -193,15 +193,18 @@ def waits_are_kept(judged: Judged) -> Iterator[str]:
                 continue
             moment = max(first.end if is_end else first.start for first in firsts)
             past, least = row.start - moment, exact(wait.at_least)
-            since = f"task {wait.after!r} has {'ended' if is_end else 'started'}"
-            when = f"before {since}" if past < 0 else f"{sec(past)} after {since}"
-            starts = f"task {row.task!r}: starts at {sec(row.start)}, {when}, and must"
+            when = said(
+                f"wait.{'before' if past < 0 else 'past'}.{wait.between}",
+                other=wait.after,
+                past=past,
+            )
+            at = {"task": row.task, "start": row.start, "when": when}
             # that it starts before the other has ended is said by the rule on predecessors
             if past < least and (past >= 0 or not is_end):
-                yield f"{starts} wait {sec(least)} at least: {sec(moment + least)} is the earliest."
+                yield said("wait.least", least=least, earliest=moment + least, **at)
             if wait.at_most is not None and past > exact(wait.at_most):
                 most = exact(wait.at_most)
-                yield f"{starts} start within {sec(most)}: {sec(moment + most)} is the latest."
+                yield said("wait.most", most=most, latest=moment + most, **at)
 
 
 def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:
@@ -262,16 +265,16 @@ def operators_are_at_hand_in_time(judged: Judged) -> Iterator[str]:
             continue  # the tasks themselves overlap, which another rule says
         if before.start < before.free:
             since = (
-                f"task {before.after.task!r}"
+                said("since.task", task=before.after.task)
                 if before.after
-                else "it is set up"
-                if before.free
-                else "the beginning"
+                else said("since.setup" if before.free else "since.beginning")
             )
-            yield (
-                f"{_needs(name, before)}, which starts only"
-                f" {sec(before.row.start - before.free)} after {since};"
-                f" {sec(before.free + before.time)} is the earliest."
+            yield said(
+                "ready.late",
+                gap=before.row.start - before.free,
+                since=since,
+                earliest=before.free + before.time,
+                **_needs(name, before),
             )
 
 
@@ -279,10 +282,14 @@ def breaks_are_free_of_walks_and_changeovers(judged: Judged) -> Iterator[str]:
     breaks_of = dict(_breaks(judged.cell))
     for name, before in _preparations(judged):
         for start, end in _overlapping(breaks_of.get(name, []), before.start, before.row.start):
-            yield (
-                f"{_needs(name, before)}; from {sec(before.start)} to {sec(before.row.start)} that"
-                f" runs into the break from {sec(start)} to {sec(end)}; after it,"
-                f" {sec(end + before.time)} is the earliest."
+            yield said(
+                "ready.break",
+                begin=before.start,
+                start=before.row.start,
+                since=start,
+                until=end,
+                earliest=end + before.time,
+                **_needs(name, before),
             )
 
 
@@ -290,14 +297,16 @@ def tools_are_enough(judged: Judged) -> Iterator[str]:
     for name, rows in _by_place(judged, "tool"):
         places = judged.cell.tools[name].capacity if name in judged.cell.tools else 1
         for crowd in _crowds(rows, places):
-            yield f"tool {name!r}: there {only(places)} of it, but {crowd}"
+            key = "tool.one" if places == 1 else "tool.other"
+            yield said(key, name=name, places=places, crowd=crowd)
 
 
 def zones_are_wide_enough(judged: Judged) -> Iterator[str]:
     for name, rows in _by_place(judged, "zone"):
         places = judged.cell.zones[name].capacity if name in judged.cell.zones else 1
         for crowd in _crowds(rows, places):
-            yield f"zone {name!r}: there {only(places, 'place')}, but {crowd}"
+            key = "zone.one" if places == 1 else "zone.other"
+            yield said(key, name=name, places=places, crowd=crowd)
 
 
 def kinds_are_kept_apart(judged: Judged) -> Iterator[str]:
@@ -307,11 +316,19 @@ def kinds_are_kept_apart(judged: Judged) -> Iterator[str]:
         for place, (row, who, kind) in enumerate(there):
             for earlier, other, its in there[:place]:
                 if its != kind and row.start < earlier.end:
-                    later = "" if earlier is row else f"; {sec(earlier.end)} is the earliest"
-                    yield (
-                        f"zone {name!r}: keeps {listed(apart)} apart, but {other!r} (task"
-                        f" {earlier.task!r}, {_span(earlier)}) and {who!r} (task {row.task!r},"
-                        f" {_span(row)}) are in it at once{later}."
+                    yield said(
+                        "apart",
+                        name=name,
+                        kinds=tuple(said(f"kind.{one}") for one in apart),
+                        one=other,
+                        first=earlier.task,
+                        first_start=earlier.start,
+                        first_end=earlier.end,
+                        other=who,
+                        second=row.task,
+                        second_start=row.start,
+                        second_end=row.end,
+                        later="" if earlier is row else said("earliest", earliest=earlier.end),
                     )
 
 
@@ -334,19 +351,28 @@ def machines_hold_their_part(judged: Judged) -> Iterator[str]:
             for row in judged.of_operator.get(name, ()):
                 begin = min(row.start, begins.get(id(row), row.start))
                 if row.task not in hold.within and begin < hold.end and hold.start < row.end:
-                    does = f"does task {row.task!r} ({_span(row)})"
-                    if row.start >= hold.end:
-                        does = f"gets ready for task {row.task!r} from {sec(begin)} on"
-                    earliest = sec(hold.end + row.start - begin)
-                    late = f"; {earliest} is the earliest" if hold.start <= begin else ""
-                    yield f"operator {name!r}: {hold}, but {does} meanwhile{late}."
+                    earliest = said("earliest", earliest=hold.end + row.start - begin)
+                    yield said(
+                        "hold.ready" if row.start >= hold.end else "hold.busy",
+                        operator=name,
+                        hold=hold.said,
+                        task=row.task,
+                        start=row.start,
+                        end=row.end,
+                        begin=begin,
+                        later=earliest if hold.start <= begin else "",
+                    )
         for place, hold in enumerate(found):
             for other in found[:place]:
                 first, then = sorted((hold, other), key=lambda one: (one.start, one.end))
                 if then.start < first.end and not lies_within(hold, other):
-                    yield (
-                        f"operator {name!r}: {first}, but takes up another one with task"
-                        f" {then.first!r} at {sec(then.start)}; {sec(first.end)} is the earliest."
+                    yield said(
+                        "hold.two",
+                        operator=name,
+                        hold=first.said,
+                        task=then.first,
+                        start=then.start,
+                        earliest=first.end,
                     )
 
 
@@ -361,11 +387,13 @@ class Hold(NamedTuple):
     end: Decimal
     within: frozenset[str]
 
+    @property
+    def said(self) -> Said:
+        """In words."""
+        return said("hold", first=self.first, start=self.start, last=self.last, end=self.end)
+
     def __str__(self) -> str:
-        return (
-            f"holds the part of task {self.first!r} from {sec(self.start)} until task"
-            f" {self.last!r} has ended at {sec(self.end)}"
-        )
+        return self.said
 
 
 def held(judged: Judged, first: str, last: str) -> Iterator[Hold]:
@@ -398,9 +426,13 @@ def stress_limits_are_kept(judged: Judged) -> Iterator[str]:
             hardest = ", ".join(
                 f"{task!r} {num(load)}" for load, task in sorted(loads, reverse=True)[:3]
             )
-            yield (
-                f"operator {name!r}: collects {num(total)} of stress, the limit is {num(limit)};"
-                f" {num(total - limit)} must go (most from {hardest})."
+            yield said(
+                "stress.person",
+                operator=name,
+                total=total,
+                limit=limit,
+                over=total - limit,
+                hardest=hardest,
             )
 
 
@@ -438,10 +470,12 @@ def pairs_have_the_same_operators(judged: Judged) -> Iterator[str]:
         for one in judged.of_task.get(first, ()):
             for other in judged.of_task.get(second, ()):
                 if one.who != other.who:
-                    both = f"{listed(one.given.operators)} and {listed(other.given.operators)}"
-                    yield (
-                        f"tasks {first!r} and {second!r}: must be done by the same operators, but"
-                        f" {both} do them."
+                    yield said(
+                        "pair",
+                        first=first,
+                        second=second,
+                        one=tuple(one.given.operators),
+                        other=tuple(other.given.operators),
                     )
 
 
@@ -458,10 +492,7 @@ def the_makespan_is_within_its_limit(judged: Judged) -> Iterator[str]:
     if judged.max_makespan is not None:
         for row in judged.rows:
             if row.end > judged.max_makespan:
-                yield (
-                    f"task {row.task!r}: ends at {sec(row.end)}, after the limit on the makespan of"
-                    f" {sec(judged.max_makespan)}."
-                )
+                yield said("limit.makespan", task=row.task, end=row.end, limit=judged.max_makespan)
 
 
 def the_stress_is_within_its_limit(judged: Judged) -> Iterator[str]:
@@ -476,7 +507,7 @@ def the_stress_is_within_its_limit(judged: Judged) -> Iterator[str]:
         listed = stress_of_tasks(judged.cell, _human_tasks(judged))
         total = Decimal(0) if listed is None else exact(listed)
     if total > judged.max_stress:
-        yield f"stress: is {num(total)}, over its limit of {num(judged.max_stress)}."
+        yield said("limit.stress", total=total, limit=judged.max_stress)
 
 
 RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
@@ -541,18 +572,17 @@ def _preparations(judged: Judged) -> Iterator[tuple[str, _Preparation]]:
                 after, free = row, row.end
 
 
-def _needs(name: str, before: _Preparation) -> str:
-    return f"operator {name!r}: needs {told(before.ready)} before task {before.row.task!r}"
+def _needs(name: str, before: _Preparation) -> dict[str, object]:
+    """What sentences about it have in common."""
+    return {"operator": name, "what": told(before.ready), "task": before.row.task}
 
 
-def told(ready: Ready) -> str:
+def told(ready: Ready) -> Said:
     """What somebody does directly before a task, in words."""
     walk, origin, place, change, tool = ready
-    parts = [
-        f"{sec(exact(walk))} to walk from {origin!r} to {place!r}" if walk else "",
-        f"{sec(exact(change))} to take up tool {tool!r}" if change else "",
-    ]
-    return " and ".join(filter(None, parts))
+    key = "walk.change" if walk and change else "walk" if walk else "change"
+    values = {"walk": exact(walk), "origin": origin, "place": place}
+    return said(key, **values, change=exact(change), tool=tool)
 
 
 def _by_place(
@@ -568,7 +598,7 @@ def _by_place(
     yield from rows.items()
 
 
-def _crowds(rows: Iterable[tuple[Row, int]], places: int) -> Iterator[str]:
+def _crowds(rows: Iterable[tuple[Row, int]], places: int) -> Iterator[Said]:
     """A sentence for each span of time in which more operators are there than there are places."""
     rows = list(rows)
     events = sorted(
@@ -594,10 +624,8 @@ def _crowds(rows: Iterable[tuple[Row, int]], places: int) -> Iterator[str]:
             del present[id(row)]
             used -= count
             if crowd and used <= places:
-                yield (
-                    f"{most} operators need it at once from {sec(since)} to {sec(time)} (tasks"
-                    f" {listed(map(repr, crowd))})."
-                )
+                tasks = tuple(map(repr, crowd))
+                yield said("crowd", most=most, since=since, until=time, tasks=tasks)
                 most, crowd = 0, {}
 
 
@@ -678,10 +706,6 @@ def only(places: int, what: str = "") -> str:
         if places == 1
         else f"are only {places} {what + 's' if what else ''}".rstrip()
     )
-
-
-def _span(row: Row) -> str:
-    return f"{num(row.start)} to {sec(row.end)}"
 
 
 def sec(seconds: Decimal) -> str:

@@ -16,21 +16,23 @@ class Said(str):
     Attributes:
       key: its sentence in `words_en.json` and its like.
       values: what stands in it; see `said`.
+      package: whose words these are.
     """
 
     key: str
     values: Mapping[str, object]
+    package: str
 
 
-def said(key: str, **values: object) -> Said:
-    """The sentence of a key.
+def said(key: str, /, *, package: str = PACKAGE, **values: object) -> Said:
+    """The sentence of a key among the words of a package.
 
     A Decimal is a number, a tuple of names or numbers a list of them; a tuple of tuples, names of
     which one group is needed; a `Said` is a part of the sentence. Anything else is written as it
     is.
     """
-    sentence = Said(_rendered(spoken("en", PACKAGE), key, values))
-    sentence.key, sentence.values = key, values
+    sentence = Said(_rendered(spoken("en", package), key, values))
+    sentence.key, sentence.values, sentence.package = key, values, package
     return sentence
 
 
@@ -40,7 +42,7 @@ def in_language(sentence: str, language: str) -> str:
     """
     if not isinstance(sentence, Said):
         return sentence
-    return _rendered(spoken(language, PACKAGE), sentence.key, sentence.values)
+    return _rendered(spoken(language, sentence.package), sentence.key, sentence.values)
 
 
 def listed(names: Iterable[str], words: Words | None = None) -> str:
@@ -72,4 +74,4 @@ def _written(value: object, words: Words) -> object:
         # a comma parts groups of several, whose names have an "and" of their own
         comma = "," if any(len(group) > 1 for group in value) else ""
         return f"{comma} {words('or')} ".join(listed(group, words) for group in value)
-    return listed(value, words)
+    return listed((str(_written(name, words)) for name in value), words)

@@ -11,15 +11,15 @@ from pathlib import Path
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
-from starlette.responses import FileResponse, JSONResponse, Response
-from starlette.routing import BaseRoute, Mount
+from starlette.responses import JSONResponse, Response
+from starlette.routing import BaseRoute
 from starlette.routing import Route as StarletteRoute
-from starlette.staticfiles import StaticFiles
 
 from tandem.errors import TandemError, UsageError
 from tandem.studio.failures import Json, failure
 from tandem.studio.folder import MissingError, OutsideError
-from tandem.studio.guard import App, Guard
+from tandem.studio.guard import READING, App, Guard
+from tandem.studio.page import Page
 from tandem.studio.pool import BusyError, Failed
 from tandem.studio.route import Handler
 from tandem.studio.routes import ROUTES
@@ -49,21 +49,21 @@ def application(session: Session, *, hosts: tuple[str, ...], token: str) -> App:
         StarletteRoute(route.path, _endpoint(route.handler, session), methods=[route.method])
         for route in ROUTES
     ]
-    routes.append(StarletteRoute("/", _page))
-    if STATIC.is_dir():
-        routes.append(Mount("/static", StaticFiles(directory=STATIC)))
+    page = Page(STATIC)
+    routes.append(StarletteRoute("/", page.first))
+    routes.append(StarletteRoute("/static/{version}/{name:path}", page.file))
     app = Starlette(
         routes=routes, lifespan=alive, exception_handlers={HTTPException: _told_by_starlette}
     )
+    app.router.redirect_slashes = False
     return Guard(app, hosts=hosts, token=token, with_token=("/api/plan/stream",))
-
-
-async def _page(request: Request) -> Response:
-    return FileResponse(STATIC / "index.html")
 
 
 def _endpoint(handler: Handler, session: Session) -> Callable[[Request], Awaitable[Response]]:
     async def endpoint(request: Request) -> Response:
+        if request.method not in READING:
+            # a page has come that will plan; until then its own files are sent the sooner
+            await session.pool.wake()
         try:
             return await handler(request, session)
         except TandemError as error:

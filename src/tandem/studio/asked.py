@@ -46,6 +46,15 @@ def _are_two(value: Any) -> bool:
     return isinstance(value, list) and len(value) == 2 and all(map(_is_number, value))
 
 
+def _is_preceded(value: Any) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) == 2
+        and isinstance(value[0], str)
+        and _are_names(value[1])
+    )
+
+
 def one_of(words: Iterable[str]) -> Kind:
     """One of these words."""
     known = tuple(words)
@@ -76,6 +85,19 @@ POINTS = Kind(
     "a list of [time, stress]",
     {"type": "array", "items": PAIR.schema},
     lambda value: isinstance(value, list) and all(map(_are_two, value)),
+)
+PRECEDENCE = Kind(
+    "a list of [task, [its predecessors]]",
+    {
+        "type": "array",
+        "items": {
+            "type": "array",
+            "prefixItems": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
+            "minItems": 2,
+            "maxItems": 2,
+        },
+    },
+    lambda value: isinstance(value, list) and all(map(_is_preceded, value)),
 )
 NAMES = Kind("a list of names", {"type": "array", "items": {"type": "string"}}, _are_names)
 TABLE = Kind("an object", {"type": "object"}, lambda value: isinstance(value, Mapping))

@@ -12,16 +12,18 @@ from tandem.errors import (
     TandemError,
     UnsoundScheduleError,
 )
+from tandem.schedule.said import in_language
 
 Json = dict[str, Any]
 
 
-def failure(error: TandemError, document: Any = None) -> Json:
+def failure(error: TandemError, document: Any = None, language: str = "en") -> Json:
     """`error` in words and `exit`, the code that the command line ends with for the same; besides
     `errors`, `infeasible` or `faults`, where there are such.
 
     Args:
       document: the cell that was given, for the values at the places of faults.
+      language: of sentences that are said in several.
     """
     told: Json = {"error": str(error), "exit": error.exit_code}
     if isinstance(error, CellError):
@@ -32,10 +34,19 @@ def failure(error: TandemError, document: Any = None) -> Json:
             "errors": errors_of(faults, document),
         }
     if isinstance(error, InfeasibleError):
-        return {**told, **error.to_dict()}
+        return {**told, **_said(error.to_dict(), language)}
     if isinstance(error, UnsoundScheduleError):
         return {**told, "faults": list(error.faults)}
     return told
+
+
+def _said(document: Any, language: str) -> Any:
+    """The same with every sentence in the language, as far as it is said in it."""
+    if isinstance(document, Mapping):
+        return {key: _said(value, language) for key, value in document.items()}
+    if isinstance(document, list | tuple):
+        return [_said(value, language) for value in document]
+    return in_language(document, language) if isinstance(document, str) else document
 
 
 def errors_of(faults: Iterable[Fault], document: Any = None) -> list[Json]:

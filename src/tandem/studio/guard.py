@@ -181,12 +181,11 @@ def _again(body: bytes, receive: Receive) -> Receive:
 
 
 def _with_headers(send: Send, path: str) -> Send:
-    # what was computed is not kept by browsers; the page is asked for again, and may be unchanged
-    kept = "no-store" if path.startswith("/api/") else "no-cache"
-    more = [
-        (name.encode(), value.encode())
-        for name, value in {**HEADERS, "cache-control": kept}.items()
-    ]
+    # what was computed is not kept by browsers, nor is the first page; a file of the page says
+    # itself for how long it holds
+    is_file = path.startswith("/static/")
+    kept = {} if is_file else {"cache-control": "no-store" if path != "/" else "no-cache"}
+    more = [(name.encode(), value.encode()) for name, value in {**HEADERS, **kept}.items()]
 
     async def sender(message: Message) -> None:
         if message["type"] == "http.response.start":

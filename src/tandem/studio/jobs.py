@@ -25,6 +25,7 @@ from tandem.studio.asked import (
     NUMBER,
     PAIR,
     POINTS,
+    PRECEDENCE,
     ROWS,
     TABLE,
     TEXT,
@@ -37,7 +38,7 @@ from tandem.studio.asked import (
     read,
 )
 from tandem.studio.importing import read_in, without_path
-from tandem.studio.questions import Tell, compare, measures, moved, recommend, schedule_of
+from tandem.studio.questions import Tell, compare, graph, measures, moved, recommend, schedule_of
 
 if TYPE_CHECKING:
     from tandem.plan.method import Progress
@@ -65,6 +66,8 @@ PLACE: dict[str, Kind] = {"task": TEXT, "operators": NAMES, "start": NUMBER}
 """A task, who is to do it, and from when on."""
 FORMS = ("csv", "html", "json", "md", "pdf", "png", "svg", "xlsx", "xml")
 """The endings of `tandem.report.files.EXPORTERS`."""
+CHARTS = ("front", "gantt", "graph")
+"""What `tandem.report.files.CHARTS` draws."""
 EVERY_S = 0.1
 """Progress is told no more often."""
 EXPLAINING_S = 5.0
@@ -213,9 +216,9 @@ def explain(request: Json, tell: Tell) -> Json:
 
 
 def report(request: Json, tell: Tell) -> Json:
-    """A stored plan as a file of its kind."""
+    """A stored plan as a file of its kind, or one of its charts as a picture."""
     from tandem.plan.choice import point_of
-    from tandem.report.files import write
+    from tandem.report.files import write, write_chart
     from tandem.report.stored import read_plan
 
     form = request["form"]
@@ -232,9 +235,12 @@ def report(request: Json, tell: Tell) -> Json:
         point = request.get("point")
         if point is not None:
             point_of(front, point, None, None)
-        path = Path(folder) / f"plan.{form}"
-        today = datetime.date.today().isoformat()
-        write(front, path, date=today, language=request.get("lang", "en"), point=point)
+        chart, shown = request.get("chart"), {"language": request.get("lang", "en"), "point": point}
+        path = Path(folder) / f"{chart or 'plan'}.{form}"
+        if chart is None:
+            write(front, path, date=datetime.date.today().isoformat(), **shown)
+        else:
+            write_chart(front, path, chart, **shown)
         content = path.read_bytes()
     kind = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     return {"content": base64.b64encode(content).decode(), "name": path.name, "type": kind}
@@ -272,7 +278,7 @@ class Job:
 
 
 JOBS: dict[str, Job] = {
-    "plan": Job(plan, {"options": TABLE}),
+    "plan": Job(plan, {"options": TABLE, "lang": LANGUAGE}),
     "place": Job(
         place,
         {"assignments": ROWS, "lang": LANGUAGE, **PLACE},
@@ -298,6 +304,7 @@ JOBS: dict[str, Job] = {
         of_a_cell=False,
         quick=True,
     ),
+    "graph": Job(graph, {"after": PRECEDENCE}, ("after",), of_a_cell=False, quick=True),
     "replan": Job(
         replan,
         {
@@ -318,7 +325,13 @@ JOBS: dict[str, Job] = {
     ),
     "report": Job(
         report,
-        {"plan": TABLE, "point": WHOLE, "form": one_of(FORMS), "lang": LANGUAGE},
+        {
+            "plan": TABLE,
+            "point": WHOLE,
+            "form": one_of(FORMS),
+            "chart": one_of(CHARTS),
+            "lang": LANGUAGE,
+        },
         ("plan", "form"),
         of_a_cell=False,
     ),

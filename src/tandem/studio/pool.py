@@ -22,6 +22,8 @@ LONGEST_LINE = 2**28
 """Bytes of one answer."""
 GRACE_S = 10.0
 """A search that was stopped has so long to say what it found; then its process is ended."""
+ASLEEP_S = 3.0
+"""Without any request that would need them, processes begin to load after so long."""
 OVERTIME_S = 120.0
 """A job may take so much longer than its time limit."""
 
@@ -70,12 +72,26 @@ class Pool:
         self._places = asyncio.Semaphore(AT_ONCE)
         self._numbers = itertools.count(1)
         self._tasks: set[asyncio.Task[None]] = set()
+        self._is_awake = False
         self.runs: dict[int, Run] = {}
 
     async def start(self) -> None:
-        """Has the first process begin to load; does not wait for it. The others follow once it has
-        loaded, so that it is there the sooner.
+        """Has the processes begin to load after a while, if nobody has asked for it before: while
+        the page itself is loading, they would take its time.
         """
+        self._later(self._wake_later())
+
+    async def _wake_later(self) -> None:
+        await asyncio.sleep(ASLEEP_S)
+        await self.wake()
+
+    async def wake(self) -> None:
+        """Has the first process begin to load, once; does not wait for it. The others follow when
+        it has loaded, so that it is there the sooner.
+        """
+        if self._is_awake:
+            return
+        self._is_awake = True
         first = await _Process.start()
         self._free.append(first)
         self._later(self._follow(first))

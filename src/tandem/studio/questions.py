@@ -4,6 +4,7 @@ what differs from another plan or cell, which point is recommended. Answered at 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -22,8 +23,9 @@ Tell = Callable[[Json], None]
 
 
 def measures(request: Json, tell: Tell) -> Json:
-    """What a schedule is worth: the balance of its operators and, where it keeps its cell, why each
-    task starts when it does. With `before`, what differs from that schedule.
+    """What a schedule is worth: the lanes of its Gantt chart and, where it keeps its cell, the
+    balance of its operators and why each task starts when it does. With `before`, what differs from
+    that schedule.
     """
     from tandem.schedule.changes import changes
     from tandem.schedule.checker import faults
@@ -33,6 +35,7 @@ def measures(request: Json, tell: Tell) -> Json:
     sound = not faults(cell, schedule)
     told: Json = {
         "sound": sound,
+        "lanes": _lanes(cell, schedule),
         "operators": _balance(cell, schedule) if sound else None,
         "tasks": _waiting(cell, schedule, language) if sound else None,
         "path": _path(cell, schedule) if sound else None,
@@ -47,6 +50,36 @@ def measures(request: Json, tell: Tell) -> Json:
             "sentence": moved(found, cell, old, schedule, t),
         }
     return told
+
+
+def _lanes(cell: Cell, schedule: Schedule) -> list[Json] | None:
+    """Per operator, what every Gantt chart of the package shows besides bars: see `draw.lanes`.
+    None for a schedule of another set of tasks or operators.
+    """
+    from tandem.cell.model import plain
+    from tandem.draw.lanes import lanes
+
+    who = {name for a in schedule for name in a.operators}
+    if {a.task for a in schedule} != set(cell.tasks) or not who <= set(cell.operators):
+        return None
+    # breaks are not cut at the makespan: a bar may be dragged beyond it
+    return [
+        {
+            "operator": lane.look.operator,
+            "busy": plain(lane.busy),
+            "share": lane.utilisation,
+            "shaded": [
+                {"kind": off.kind, "what": off.what, "start": off.start, "end": off.end}
+                for off in lane.shaded
+            ],
+            "waits": [
+                {"task": bar.task, "start": since, "end": bar.start}
+                for bar in lane.bars
+                for since in bar.since
+            ],
+        }
+        for lane in lanes(cell, schedule, until=math.inf, critical=False)
+    ]
 
 
 def _balance(cell: Cell, schedule: Schedule) -> list[Json]:
@@ -149,6 +182,24 @@ def recommend(request: Json, tell: Tell) -> Json:
         "point": None if best is None else best + 1,
         "weights": None if weights is None else [plain(weight) for weight in weights],
         "within": [place + 1 for place in within(points, *limits)],
+    }
+
+
+def graph(request: Json, tell: Tell) -> Json:
+    """Where the precedence graph's tasks stand and how its arrows run, in columns and rows, as in
+    every other picture of it. Circles are opened: the cell may be one that is being mended.
+    """
+    from tandem.draw.graph import HALF_HEIGHT, HALF_WIDTH, arrow_curve
+    from tandem.draw.layers import arranged, without_circles, without_implied
+
+    at, arrows = arranged(without_implied(without_circles(dict(request["after"]))))
+    return {
+        "node": [2 * HALF_WIDTH, 2 * HALF_HEIGHT],
+        "at": [{"task": task, "at": list(place)} for task, place in at.items()],
+        "arrows": [
+            {"task": task, "after": first, "curve": [list(point) for point in arrow_curve(points)]}
+            for (first, task), points in arrows.items()
+        ],
     }
 
 

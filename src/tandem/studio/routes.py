@@ -18,7 +18,7 @@ from starlette.responses import JSONResponse, Response
 import tandem
 from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
-from tandem.studio.asked import LANGUAGE, TABLE, TEXT, WHOLE, Json, cell_in, read
+from tandem.studio.asked import LANGUAGE, PAIR, TABLE, TEXT, WHOLE, Json, cell_in, read
 from tandem.studio.failures import errors_of, failure
 from tandem.studio.folder import NewerError
 from tandem.studio.jobs import JOBS, OF_A_CELL, OPTIONS
@@ -185,10 +185,12 @@ async def stream(request: Request, session: Session) -> Response:
     query.pop("token", None)
     which: Json = {key: query.pop(key) for key in ("draft", "file") if key in query}
     name = session.name_of(which)
+    lang = read({"lang": query.pop("lang", None)}, {"lang": LANGUAGE})
     options = {key: _value(text) for key, text in query.items()}
     read(options, OPTIONS, where="options.")
     cell = await anyio.to_thread.run_sync(session.document, which)
-    events = session.pool.events("plan", {"cell": cell, "options": options}, is_stream=True)
+    asked = {"cell": cell, "options": options, **lang}
+    events = session.pool.events("plan", asked, is_stream=True)
     first = await anext(events)  # refuses here when there is no place
 
     async def told() -> AsyncIterator[ServerSentEvent]:
@@ -335,6 +337,7 @@ ROUTES: tuple[Route, ...] = (
         query={
             "token": (string(), "An event source sends no headers."),
             "draft": (string(), "A cell that is held."),
+            "lang": (LANGUAGE.schema, "Of the reasons why there is no plan."),
             **FILE,
             **{
                 name: (kind.schema, f"As the option of `tandem plan`: {kind.words}.")
@@ -380,9 +383,9 @@ ROUTES: tuple[Route, ...] = (
         "POST",
         "/api/measures",
         answered_by("measures"),
-        "How each operator fares in a schedule, what is critical, why each task starts when it"
-        " does; with `before`, what differs from that schedule. Of a schedule that breaks its cell"
-        " only the last.",
+        "The lanes of a schedule's Gantt chart, how each operator fares, what is critical, why each"
+        " task starts when it does; with `before`, what differs from that schedule. Of a schedule"
+        " that breaks its cell only the lanes and the last.",
         asks="measures",
         answers={200: MEASURES, **fails(400, 403, 422)},
     ),
@@ -413,6 +416,23 @@ ROUTES: tuple[Route, ...] = (
     ),
     Route(
         "POST",
+        "/api/graph",
+        answered_by("graph"),
+        "The precedence graph in layers: where each task stands, in columns and rows, and the curve"
+        " of each arrow: its start, then threes of control points. Arrows that follow from others,"
+        " or close a circle, have none.",
+        asks="graph",
+        answers={
+            200: table(
+                node=PAIR.schema,
+                at=rows(table(task=string(), at=PAIR.schema)),
+                arrows=rows(table(task=string(), after=string(), curve=rows(PAIR.schema))),
+            ),
+            **fails(400, 403),
+        },
+    ),
+    Route(
+        "POST",
         "/api/replan",
         answered_by("replan"),
         "The rest planned anew with the fewest changes.",
@@ -437,7 +457,8 @@ ROUTES: tuple[Route, ...] = (
         "POST",
         "/api/report",
         report,
-        "A plan as a file: report, table, picture, workbook.",
+        "A plan as a file: report, table, picture, workbook; with `chart`, that one alone as a"
+        " picture.",
         asks="report",
         answers={200: "application/octet-stream", **fails(400, 403, 422, 503)},
     ),

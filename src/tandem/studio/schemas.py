@@ -47,6 +47,24 @@ ERRORS = refer("Errors")
 NUMBER: Json = {"type": "number"}
 MEASURES = table(
     sound={"type": "boolean"},
+    lanes=or_null(
+        rows(
+            table(
+                operator=string(),
+                busy=NUMBER,
+                share=NUMBER,
+                shaded=rows(
+                    table(
+                        kind=string(description="break, setup, walk, changeover or hold"),
+                        what=string(),
+                        start=NUMBER,
+                        end=NUMBER,
+                    )
+                ),
+                waits=rows(table(task=string(), start=NUMBER, end=NUMBER)),
+            )
+        )
+    ),
     operators=or_null(
         rows(
             table(

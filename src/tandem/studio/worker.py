@@ -65,7 +65,7 @@ class Worker:
         try:
             return "done", JOBS[job["do"]].do(job, tell)
         except TandemError as error:
-            return "failed", failure(error, job.get("cell"))
+            return "failed", failure(error, job.get("cell"), job.get("lang", "en"))
         except (MemoryError, RecursionError) as error:
             return "failed", {"error": f"too large: {type(error).__name__}.", "exit": 3}
         except Exception as error:  # noqa: BLE001  whatever it is, the next job is done

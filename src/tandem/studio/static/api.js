@@ -37,8 +37,9 @@ async function ask(method, path, body) {
  * @param {string} type
  */
 async function reach(method, path, body, type) {
+  // What is only read needs no token, and what the first page has asked for in advance has none.
   /** @type {Record<string, string>} */
-  const headers = { "X-Tandem-Token": token };
+  const headers = method === "GET" ? {} : { "X-Tandem-Token": token };
   if (body) headers["Content-Type"] = type;
   try {
     const answer = await fetch(path, { method, body, headers });
@@ -84,6 +85,8 @@ export const measures = (body) => ask("POST", "/api/measures", body);
 export const compare = (body) => ask("POST", "/api/compare", body);
 /** Which of some points is recommended. @param {Record<string, any>} body */
 export const recommend = (body) => ask("POST", "/api/recommend", body);
+/** Where the precedence graph's tasks stand. @param {Record<string, any>} body */
+export const graph = (body) => ask("POST", "/api/graph", body);
 /** The document of a plan, without what is found on the way. @param {Record<string, any>} body */
 export const plan = (body) => ask("POST", "/api/plan", body);
 export const stopPlan = () => ask("POST", "/api/plan/stop", {});
@@ -107,13 +110,13 @@ export async function report(body) {
 
 /**
  * Plans a cell, with what is found as it is found.
- * @param {Record<string, any>} body `cell` and the options of `tandem plan`.
+ * @param {Record<string, any>} body `cell`, the options of `tandem plan` and the language.
  * @param {{progress: (data: any) => void, done: (data: any) => void, failed: (data: any) => void, lost: () => void}} hear
  */
-export async function planLive({ cell, options, file, version }, hear) {
+export async function planLive({ cell, options, lang, file, version }, hear) {
   const { status, document } = await ask("POST", "/api/draft", { cell, file, version });
   if (status !== 200) return hear.failed({ message: document.error, errors: document.errors });
-  const query = new URLSearchParams({ ...options, draft: document.draft, token });
+  const query = new URLSearchParams({ ...options, lang, draft: document.draft, token });
   const source = new EventSource(`/api/plan/stream?${query}`);
   /** @param {string} name @param {(data: any) => void} act @param {boolean} last */
   const on = (name, act, last) =>

@@ -7,7 +7,7 @@ import { Balance, Changed } from "./balance.js";
 import { Explain } from "./explain.js";
 import { Front } from "./front.js";
 import { Gantt } from "./gantt.js";
-import { Graph } from "./graph.js";
+import { Graph, watchGraph } from "./graph.js";
 import { Import, Preview } from "./importer.js";
 import { watchMeasures } from "./measures.js";
 import { Operators } from "./operators.js";
@@ -126,10 +126,14 @@ const Unsaved = observed(() =>
     : null,
 );
 
-/** The report of what was planned, as one file. */
+const CHARTS = ["gantt", "front", "graph"];
+
+/** What was planned as files: the report in one, each chart as a picture. */
 const Share = observed(() => {
   if (running.value || !reported()) return null;
-  return html`<button onClick=${download} title=${t("keys.report")}>${t("button.report")}</button>`;
+  const charts = CHARTS.map((key) => ({ key, label: t(`chart.${key}`) }));
+  return html`<button onClick=${() => download({ form: "html" })} title=${t("keys.report")}>${t("button.report")}</button>
+    <${Menu} label=${t("button.pictures")} items=${charts} choose=${(/** @type {string} */ chart) => download({ form: "svg", chart })} />`;
 });
 
 /** The document of the schedule on show, and which of its points it is; null where it was only placed by hand. */
@@ -139,8 +143,9 @@ function reported() {
   return plan.value?.document.cell_document ? { plan: plan.value.document, point: selected.value + 1 } : null;
 }
 
-async function download() {
-  const answer = await api.report({ ...reported(), form: "html", lang: language.value });
+/** @param {{form: string, chart?: string}} what */
+async function download(what) {
+  const answer = await api.report({ ...reported(), ...what, lang: language.value });
   if (!answer.ok) return say("status.refused", { reason: (await answer.json()).error }, "bad");
   const name = /filename="?([^";]+)/.exec(answer.headers.get("Content-Disposition") ?? "")?.[1] ?? "plan.html";
   const link = document.createElement("a");
@@ -178,11 +183,12 @@ function onKey(event) {
 
 addEventListener("keydown", onKey);
 addEventListener("beforeunload", (event) => dirty.value && event.preventDefault());
-await loadWords();
-const root = /** @type {HTMLElement} */ (document.getElementById("studio"));
-render(html`<${App} />`, root);
-await open();
+// Nothing is drawn before both are there: until then the first page shows its outlines.
+const [, opened] = await Promise.allSettled([loadWords(), open()]);
+render(html`<${App} />`, /** @type {HTMLElement} */ (document.getElementById("studio")));
+if (opened.status === "rejected") throw opened.reason;
 await listFiles();
+watchGraph();
 watchForFaults();
 watchMeasures();
 watchScenarios();

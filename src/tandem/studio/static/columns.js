@@ -129,7 +129,8 @@ function renamed(cell, from, to) {
   if (from === "" || to === "") return cell;
   const follow = (/** @type {unknown} */ names) => (Array.isArray(names) ? names.map((name) => (name === from ? to : name)) : names);
   const tasks = cell.tasks.map((task) => {
-    const wait = Array.isArray(task.wait) ? task.wait.map((one) => (one?.after === from ? { ...one, after: to } : one)) : task.wait;
+    const moved = (/** @type {any} */ one) => (one?.after === from ? { ...one, after: to } : one);
+    const wait = Array.isArray(task.wait) ? task.wait.map(moved) : moved(task.wait);
     return /** @type {Task} */ ({ ...task, ...("after" in task && { after: follow(task.after) }), ...("wait" in task && { wait }) });
   });
   const together = Array.isArray(cell.same_operator) ? { same_operator: cell.same_operator.map(follow) } : {};

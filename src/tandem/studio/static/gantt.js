@@ -6,7 +6,7 @@
  */
 import { ticks } from "./front.js";
 import { looksOf } from "./looks.js";
-import { isCritical, whyThen } from "./measures.js";
+import { isCritical, kindsShaded, laneOf, measures, whyThen } from "./measures.js";
 import {
   barName, cell, discardProposal, drop, ghosts, keepProposal, locks, picked, point, pointName, proposal, resolveRest, say, stale, hand, toggleLock, verdictOn,
 } from "./state.js";
@@ -61,6 +61,7 @@ export const Gantt = observed(() => {
         <div class="lanes" style=${{ width: `${reach.value * scale.value + 24}px`, height: `${HEAD + LANE * lanes().length}px` }}>
           <${Axis} />
           ${lanes().map((name, row) => html`<${Lane} key=${name} name=${name} row=${row} />`)}
+          <${Joints} />
           <${Ghosts} />
           <${Bars} />
           <${Outline} />
@@ -68,6 +69,7 @@ export const Gantt = observed(() => {
         </div>
       </div>
     </div>
+    <${Legend} />
     <${Readout} />
     <${Faults} />
   `;
@@ -95,13 +97,11 @@ const Heading = observed(() => {
 
 const LaneName = observed((/** @type {{name: string}} */ { name }) => {
   const look = looksOf(cell.value).get(name);
-  const all = point.value?.assignments.filter((one) => one.operators.includes(name)) ?? [];
-  const busy = all.reduce((sum, one) => sum + one.end - one.start, 0);
-  const share = point.value?.makespan ? Math.round((100 * busy) / point.value.makespan) : 0;
+  const told = laneOf.value.get(name);
   return html`<div class="lane-name">
     <span class="swatch ${look?.class}" aria-hidden="true"></span>
     <b>${look?.label}</b>
-    <span class="faint">${t("gantt.busy", { busy, share })}</span>
+    <span class="faint">${told ? t("gantt.busy", { busy: told.busy, share: Math.round(100 * told.share) }) : ""}</span>
   </div>`;
 });
 
@@ -117,14 +117,55 @@ const Axis = observed(() => {
 
 const Lane = observed((/** @type {{name: string, row: number}} */ { name, row }) => {
   const why = barred.value[name];
-  const operator = cell.value.operators[row];
-  const breaks = /** @type {[number, number][]} */ (Array.isArray(operator?.breaks) ? operator.breaks : []);
+  const told = laneOf.value.get(name);
+  const step = scale.value;
   return html`<div class="lane ${why ? "barred" : ""}" data-lane=${name} style=${{ top: `${HEAD + row * LANE}px`, height: `${LANE}px` }}>
-    ${breaks.map(
-      ([from, to]) => html`<span class="break" style=${{ left: `${from * scale.value}px`, width: `${(to - from) * scale.value}px` }} title=${t("gantt.break")}></span>`,
+    ${told?.shaded.map(
+      (off) => html`<span
+        class="off ${off.kind}"
+        key=${`${off.kind}/${off.start}`}
+        style=${{ left: `${off.start * step}px`, width: `${(off.end - off.start) * step}px` }}
+        title=${offWords(off)}
+      ></span>`,
+    )}
+    ${told?.waits.map(
+      (wait) => html`<span
+        class="wait"
+        key=${`${wait.task}/${wait.start}`}
+        style=${{ left: `${wait.start * step}px`, width: `${(wait.end - wait.start) * step}px` }}
+        title=${t("gantt.wait", wait)}
+      ></span>`,
     )}
     ${why ? html`<span class="reason">${why}</span>` : null}
   </div>`;
+});
+
+/** @param {import("./measures.js").Shaded} off */
+const offWords = (off) => t(`gantt.${off.kind}`, off);
+
+/** A line from lane to lane for each task that several do together. */
+const Joints = observed(() => {
+  const rows = lanes();
+  return (point.value?.assignments ?? [])
+    .filter((one) => one.operators.length > 1)
+    .map((one) => {
+      const places = one.operators.map((name) => rows.indexOf(name)).filter((row) => row >= 0);
+      const [top, bottom] = [Math.min(...places), Math.max(...places)];
+      const middle = ((one.start + one.end) / 2) * scale.value;
+      return html`<span class="joint" aria-hidden="true" key=${one.task} style=${{ left: `${middle}px`, top: `${HEAD + top * LANE + LANE / 2}px`, height: `${(bottom - top) * LANE}px` }}></span>`;
+    });
+});
+
+/** What the signs beside the bars mean, as far as they are on show. */
+const Legend = observed(() => {
+  const waits = measures.value?.lanes?.some((lane) => lane.waits.length > 0);
+  const joints = point.value?.assignments.some((one) => one.operators.length > 1);
+  if (kindsShaded.value.length === 0 && !waits && !joints) return null;
+  return html`<p class="key">
+    ${kindsShaded.value.map((kind) => html`<span key=${kind}><span class="swatch off ${kind}" aria-hidden="true"></span> ${t(`key.${kind}`)}</span>`)}
+    ${joints ? html`<span><span class="joint" aria-hidden="true"></span> ${t("key.joint")}</span>` : null}
+    ${waits ? html`<span><span class="swatch wait" aria-hidden="true"></span> ${t("key.wait")}</span>` : null}
+  </p>`;
 });
 
 const Ghosts = observed(() => {

@@ -5,14 +5,20 @@
  * lead to the other end, Enter sets it.
  * @module
  */
-import * as dagre from "./vendor/dagre.js";
-import { barName, cell, edit, picked, point, say } from "./state.js";
+import * as api from "./api.js";
+import { barName, cell, edit, picked, point, say, work } from "./state.js";
 import { looksOf } from "./looks.js";
 import { moment } from "./gantt.js";
 import { t } from "./words.js";
-import { computed, html, observed, signal, useRef } from "./view.js";
+import { computed, effect, html, observed, signal, useRef } from "./view.js";
 
-const NODE = { width: 64, height: 40 };
+/** @typedef {[number, number]} Place column and row, or pixels from them. */
+/** @typedef {{node: Place, at: Map<string, Place>, curves: Map<string, Place[]>}} Layers where tasks stand and how arrows run, by the server. */
+
+const HEIGHT = 40;
+const LEAST_WIDTH = 88;
+const MOST_LETTERS = 22;
+const MARGIN = 12;
 const HOLD_PX = 4;
 
 /** The task from which an arrow is being drawn, and where its tip is. */
@@ -20,43 +26,71 @@ const drawing = signal(/** @type {{from: string, x: number, y: number, over: str
 /** The arrow that was chosen. */
 const chosen = signal(/** @type {{from: string, to: string} | null} */ (null));
 
-/** @returns {[string, string][]} the arrows of the cell between tasks that it has. */
+/** @param {unknown} after @returns {string[]} */
+const namesIn = (after) => (Array.isArray(after) ? after : typeof after === "string" ? [after] : []).filter((name) => typeof name === "string");
+
+/** @param {import("./ordered.js").Task} task @returns {string[]} whose end it waits from by `wait`. */
+const waitedFrom = (task) =>
+  [task.wait ?? []].flat().flatMap((/** @type {any} */ one) => (one && typeof one === "object" && (one.between ?? "end-start") === "end-start" ? namesIn(one.after) : []));
+
+/** @returns {{from: string, to: string, wait: boolean}[]} the arrows of the cell between tasks that it has. */
 const arrowsOf = (/** @type {import("./ordered.js").Cell} */ now) => {
   const names = new Set(now.tasks.map((task) => task.name));
-  return now.tasks.flatMap((task) =>
-    (Array.isArray(task.after) ? task.after : []).filter((from) => names.has(from)).map((from) => /** @type {[string, string]} */ ([from, task.name])),
-  );
+  return now.tasks.flatMap((task) => {
+    const after = namesIn(task.after);
+    const waited = waitedFrom(task).filter((from) => !after.includes(from));
+    return [...after.map((from) => ({ from, to: task.name, wait: false })), ...waited.map((from) => ({ from, to: task.name, wait: true }))].filter(({ from }) => names.has(from));
+  });
 };
 
 /** What the layout depends on: names and arrows, as a text that changes only when they do. */
-const shape = computed(() => JSON.stringify([cell.value.tasks.map((task) => task.name), arrowsOf(cell.value)]));
-const layout = computed(() => {
-  const [names, arrows] = /** @type {[string[], [string, string][]]} */ (JSON.parse(shape.value));
-  const graph = new dagre.Graph();
-  graph.setGraph({ rankdir: "LR", nodesep: 18, ranksep: 44, marginx: 12, marginy: 12 });
-  graph.setDefaultEdgeLabel(() => ({}));
-  for (const name of new Set(names)) graph.setNode(name, { width: Math.max(NODE.width, 9 * name.length + 24), height: NODE.height });
-  // An arrow that others imply is drawn thin and curved; the layout does better without it.
-  const implied = impliedOf(names, arrows);
-  for (const [from, to] of arrows) if (!implied.has(`${from}\n${to}`)) graph.setEdge(from, to);
-  dagre.layout(graph);
-  return { graph, arrows, implied };
+const shape = computed(() => {
+  const arrows = arrowsOf(cell.value);
+  return JSON.stringify([...new Set(cell.value.tasks.map((task) => task.name))].map((name) => [name, arrows.filter(({ to }) => to === name).map(({ from }) => from)]));
 });
+/** As the server laid it out last; it may be of a cell that has changed since. */
+const layers = signal(/** @type {Layers} */ ({ node: [1, 1], at: new Map(), curves: new Map() }));
 
-/** @param {string[]} names @param {[string, string][]} arrows @returns {Set<string>} the arrows that follow from others. */
-function impliedOf(names, arrows) {
-  const next = new Map(names.map((name) => [name, /** @type {string[]} */ ([])]));
-  for (const [from, to] of arrows) next.get(from)?.push(to);
-  const found = new Set();
-  for (const [from, to] of arrows) {
-    const others = (next.get(from) ?? []).filter((name) => name !== to);
-    if (others.some((name) => reaches(next, name, to))) found.add(`${from}\n${to}`);
-  }
-  return found;
+let latest = 0;
+/** Asks anew for the layout whenever tasks or arrows are others; the last answer counts. */
+export function watchGraph() {
+  effect(() => {
+    if (work.value) askLayers(++latest, shape.value);
+  });
 }
 
-/** @param {Map<string, string[]>} next @param {string} from @param {string} to */
-const reaches = (next, from, to) => pathBetween(next, from, to) !== null;
+/** @param {number} turn @param {string} asked */
+async function askLayers(turn, asked) {
+  try {
+    const { status, document } = await api.graph({ after: JSON.parse(asked) });
+    if (turn !== latest || status !== 200) return;
+    layers.value = {
+      node: document.node,
+      at: new Map(document.at.map((/** @type {any} */ one) => [one.task, one.at])),
+      curves: new Map(document.arrows.map((/** @type {any} */ one) => [`${one.after}\n${one.task}`, one.curve])),
+    };
+  } catch (error) {
+    if (!(error instanceof api.Unreachable)) throw error;
+  }
+}
+
+/** The same in pixels: all tasks are as wide as the widest. */
+const layout = computed(() => {
+  const { node, at, curves } = layers.value;
+  const longest = Math.min(MOST_LETTERS, Math.max(0, ...[...at.keys()].map((name) => name.length)));
+  const width = Math.max(LEAST_WIDTH, 9 * longest + 24);
+  const pitch = [width / node[0], HEIGHT / node[1]];
+  /** @param {Place} place @returns {Place} */
+  const pixels = ([column, row]) => [MARGIN + width / 2 + column * pitch[0], MARGIN + HEIGHT / 2 + row * pitch[1]];
+  const places = new Map([...at].map(([name, place]) => [name, pixels(place)]));
+  const edges = [...places.values()];
+  return {
+    width,
+    places,
+    curves: new Map([...curves].map(([arrow, curve]) => [arrow, curve.map(pixels)])),
+    size: [Math.max(200, ...edges.map(([x]) => x + width / 2 + MARGIN)), Math.max(80, ...edges.map(([, y]) => y + HEIGHT / 2 + MARGIN))],
+  };
+});
 
 /** @param {Map<string, string[]>} next @param {string} from @param {string} to @returns {string[] | null} the tasks on a way along the arrows. */
 function pathBetween(next, from, to) {
@@ -81,14 +115,14 @@ function pathBetween(next, from, to) {
 function link(from, to) {
   if (from === to) return;
   const arrows = arrowsOf(cell.value);
-  if (arrows.some(([one, other]) => one === from && other === to)) return say("status.arrow_there", { from, to });
+  if (arrows.some((one) => one.from === from && one.to === to)) return say("status.arrow_there", { from, to });
   const next = new Map(cell.value.tasks.map((task) => [task.name, /** @type {string[]} */ ([])]));
-  for (const [one, other] of arrows) next.get(one)?.push(other);
+  for (const one of arrows) next.get(one.from)?.push(one.to);
   const way = pathBetween(next, to, from);
   if (way) return say("status.circle", { from, to, way: [...way, to].join(" → ") }, "bad");
   edit((now) => ({
     ...now,
-    tasks: now.tasks.map((task) => (task.name === to ? { ...task, after: [...(Array.isArray(task.after) ? task.after : []), from] } : task)),
+    tasks: now.tasks.map((task) => (task.name === to ? { ...task, after: [...namesIn(task.after), from] } : task)),
   }));
   say("status.arrow_added", { from, to });
 }
@@ -98,9 +132,9 @@ function unlink(from, to) {
   edit((now) => ({
     ...now,
     tasks: now.tasks.map((task) => {
-      if (task.name !== to || !Array.isArray(task.after)) return task;
+      if (task.name !== to) return task;
       const { after, ...rest } = task;
-      const left = task.after.filter((name) => name !== from);
+      const left = namesIn(after).filter((name) => name !== from);
       return left.length ? { ...task, after: left } : rest;
     }),
   }));
@@ -108,44 +142,44 @@ function unlink(from, to) {
   say("status.arrow_deleted", { from, to });
 }
 
-/** @param {{x: number, y: number}[]} points @returns {string} */
-const path = (points) => points.map((p, i) => `${i ? "L" : "M"}${p.x},${p.y}`).join("");
+/** @param {Place[]} points a start and threes of control points. @returns {string} */
+const path = ([[x, y], ...rest]) => `M${x},${y}C${rest.map((place) => place.join(",")).join(" ")}`;
 
-/** @param {any} one @param {any} other @returns {string} a bow between two boxes, around those between them. */
-function curve(one, other) {
-  const [x1, x2] = [one.x + one.width / 2, other.x - other.width / 2];
-  const bow = Math.min(60, (x2 - x1) / 3) * (one.y > other.y ? 1 : -1);
-  return `M${x1},${one.y}Q${(x1 + x2) / 2},${(one.y + other.y) / 2 + bow} ${x2},${other.y}`;
+/** @param {Place} one @param {Place} other @param {number} width @returns {string} a bow between two boxes, around those between them. */
+function bow([x1, y1], [x2, y2], width) {
+  const [from, to] = [x1 + width / 2, x2 - width / 2];
+  const bend = Math.min(60, (to - from) / 3) * (y1 > y2 ? 1 : -1);
+  return `M${from},${y1}Q${(from + to) / 2},${(y1 + y2) / 2 + bend} ${to},${y2}`;
 }
 
 export const Graph = observed(() => {
   const svg = useRef(/** @type {SVGSVGElement | null} */ (null));
-  const { graph, arrows, implied } = layout.value;
-  const { width = 0, height = 0 } = graph.graph();
+  const { width, places, curves, size } = layout.value;
   if (cell.value.tasks.length === 0) return null;
+  const arrows = arrowsOf(cell.value).flatMap(({ from, to, wait }) => {
+    const [one, other] = [places.get(from), places.get(to)];
+    const curve = curves.get(`${from}\n${to}`);
+    if (!one || !other) return [];
+    // An arrow that others imply has no way of its own among them.
+    return [{ from, to, wait, thin: !curve, way: curve ? path(curve) : bow(one, other, width) }];
+  });
   return html`
     <div class="heading"><h2>${t("graph.title")}</h2></div>
     <div class="graph">
-      <svg
-        ref=${svg}
-        role="group"
-        aria-label=${t("graph.title")}
-        width=${Math.max(width, 200)}
-        height=${Math.max(height, 80)}
-        viewBox="0 0 ${Math.max(width, 200)} ${Math.max(height, 80)}"
-      >
+      <svg ref=${svg} role="group" aria-label=${t("graph.title")} width=${size[0]} height=${size[1]} viewBox="0 0 ${size[0]} ${size[1]}">
         <defs>
           <marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto"><path d="M0,0L8,4L0,8z" class="tip" /></marker>
         </defs>
-        ${arrows.map(([from, to]) => {
-          const thin = implied.has(`${from}\n${to}`);
-          return html`<${Arrow} key=${`${from}\n${to}`} from=${from} to=${to} way=${thin ? curve(graph.node(from), graph.node(to)) : path(graph.edge(from, to).points)} thin=${thin} />`;
+        ${arrows.map(({ from, to, way, thin, wait }) =>
+          wait
+            ? html`<g class="arrow wait" key=${`${from}\n${to}`}><title>${t("graph.wait", { from, to })}</title><path class="line" d=${way} marker-end="url(#tip)" /></g>`
+            : html`<${Arrow} key=${`${from}\n${to}`} from=${from} to=${to} way=${way} thin=${thin} />`,
+        )}
+        ${cell.value.tasks.map(({ name }) => {
+          const place = places.get(name);
+          return place && html`<${Node} key=${name} name=${name} x=${place[0]} y=${place[1]} width=${width} svg=${svg} />`;
         })}
-        ${graph.nodes().map((/** @type {string} */ name) => {
-          const { x, y, width } = graph.node(name);
-          return html`<${Node} key=${name} name=${name} x=${x} y=${y} width=${width} svg=${svg} />`;
-        })}
-        <${Drawn} graph=${graph} />
+        <${Drawn} />
       </svg>
     </div>
     <p class="hint">${t("graph.hint")}</p>
@@ -183,7 +217,7 @@ const Node = observed((/** @type {{name: string, x: number, y: number, width: nu
   const over = drawing.value?.over === name;
   return html`<g
     class="node ${look ? look.class : "free"} ${over ? "over" : ""} ${picked.value === name ? "picked" : ""} ${progressOf(name)}"
-    transform="translate(${x - width / 2} ${y - NODE.height / 2})"
+    transform="translate(${x - width / 2} ${y - HEIGHT / 2})"
     role="button"
     tabindex="0"
     data-node=${name}
@@ -191,15 +225,19 @@ const Node = observed((/** @type {{name: string, x: number, y: number, width: nu
     aria-description=${one ? barName(one) : undefined}
     onPointerDown=${(/** @type {PointerEvent} */ event) => begin(event, name, svg.current)}
     onKeyDown=${(/** @type {KeyboardEvent} */ event) => onKey(event, name)}
-  ><rect width=${width} height=${NODE.height} rx="4" /><text x=${width / 2} y=${NODE.height / 2 + 5} text-anchor="middle">${name}</text></g>`;
+  ><title>${name}</title><rect width=${width} height=${HEIGHT} rx="4" /><text x=${width / 2} y=${HEIGHT / 2 + 5} text-anchor="middle">${short(name)}</text></g>`;
 });
 
-const Drawn = observed((/** @type {{graph: any}} */ { graph }) => {
+/** @param {string} name @returns {string} as much of it as a box holds. */
+const short = (name) => (name.length > MOST_LETTERS ? `${name.slice(0, MOST_LETTERS - 1)}…` : name);
+
+const Drawn = observed(() => {
   const now = drawing.value;
-  if (!now) return null;
-  const from = graph.node(now.from);
-  const tip = now.keyed && now.over ? graph.node(now.over) : now;
-  return html`<path class="drawn" marker-end="url(#tip)" d=${path([{ x: from.x + from.width / 2, y: from.y }, tip])} />`;
+  const { places, width } = layout.value;
+  const from = now && places.get(now.from);
+  if (!now || !from) return null;
+  const tip = (now.keyed && now.over && places.get(now.over)) || [now.x, now.y];
+  return html`<path class="drawn" marker-end="url(#tip)" d="M${from[0] + width / 2},${from[1]}L${tip[0]},${tip[1]}" />`;
 });
 
 /** @param {PointerEvent} event @param {string} from @param {SVGSVGElement} svg */

@@ -9,13 +9,19 @@ import { language } from "./words.js";
 import { computed, effect, signal } from "./view.js";
 
 /** @typedef {{operator: string, tasks: number, working: number, changing: number, resting: number, idle: number, share: number, stress: number | null, stress_limit: number | null}} Fare */
+/** @typedef {{kind: string, what: string, start: number, end: number}} Shaded a time in which an operator works on no task */
+/** @typedef {{operator: string, busy: number, share: number, shaded: Shaded[], waits: {task: string, start: number, end: number}[]}} LaneTold */
 /** @typedef {{task: string, slack: number, critical: boolean, sentence: string}} Held */
-/** @typedef {{sound: boolean, operators: Fare[] | null, tasks: Held[] | null, path: string[] | null, changed: {tasks: {task: string, what: string}[], sentence: string} | null}} Measures */
+/** @typedef {{sound: boolean, lanes: LaneTold[] | null, operators: Fare[] | null, tasks: Held[] | null, path: string[] | null, changed: {tasks: {task: string, what: string}[], sentence: string} | null}} Measures */
 
 /** Of the schedule on show; null while it is asked, and where there is none. */
 export const measures = signal(/** @type {Measures | null} */ (null));
 /** Whether the critical path is marked. */
 export const marked = signal(true);
+/** What a lane shows besides its bars, by operator. */
+export const laneOf = computed(() => new Map((measures.value?.lanes ?? []).map((one) => [one.operator, one])));
+/** The kinds of time without a task that are on show. */
+export const kindsShaded = computed(() => [...new Set((measures.value?.lanes ?? []).flatMap((lane) => lane.shaded.map((off) => off.kind)))]);
 const held = computed(() => new Map((measures.value?.tasks ?? []).map((one) => [one.task, one])));
 
 /** @param {string} task @returns {boolean} whether its bar is to be marked as critical. */

@@ -254,7 +254,7 @@ export async function makePlan() {
   selected.value = 0;
   say("status.planning");
   try {
-    await api.planLive({ cell: asked, options: options.value, file: file.value.name, version: file.value.version }, { progress, done, failed, lost });
+    await api.planLive({ cell: asked, options: options.value, lang: language.value, file: file.value.name, version: file.value.version }, { progress, done, failed, lost });
   } catch (error) {
     lost();
     if (!(error instanceof api.Unreachable)) throw error;
@@ -287,7 +287,8 @@ function failed(data) {
     infeasible.value = data.exit === 4 ? (data.infeasible ?? data) : null;
     plan.value = front.value.length && plan.value ? { ...plan.value, running: false } : null;
   });
-  refused(data);
+  if (infeasible.value) say("status.infeasible", {}, "bad");
+  else refused(data);
 }
 
 function lost() {

@@ -71,7 +71,7 @@ export const Table = observed(() => {
     <div class="sheet" ref=${grid} onCopy=${copy} onCut=${cut} onPaste=${paste}>
       <table role="grid" aria-label=${t("table.title")} aria-multiselectable="true" onKeyDown=${onKey}>
         <thead><tr>${all.map((column) => html`<th key=${column.id} scope="col" title=${column.hint} class=${column.kind}>${column.title}</th>`)}</tr></thead>
-        <tbody>
+        <tbody onMouseDown=${onCell(press)} onMouseOver=${onCell(sweep)} onDblClick=${onCell((_, row, column) => beginEdit(row, column))}>
           ${cell.value.tasks.map((task, row) => html`<${Row} key=${row} task=${task} row=${row} columns=${all} />`)}
         </tbody>
       </table>
@@ -117,9 +117,6 @@ const Row = observed((/** @type {{task: any, row: number, columns: Column[]}} */
         aria-describedby=${message ? id : undefined}
         data-row=${row}
         data-column=${place}
-        onMouseDown=${(/** @type {MouseEvent} */ event) => press(event, row, place)}
-        onMouseOver=${(/** @type {MouseEvent} */ event) => event.buttons === 1 && !open && goTo(row, place, true)}
-        onDblClick=${() => beginEdit(row, place)}
         >${open ? html`<${Editor} row=${row} column=${place} title=${column.title} />` : column.read(task)}${message
           ? html`<span class="message" id=${id}>${message}</span>`
           : null}</td
@@ -189,6 +186,23 @@ function endEdit(keep) {
     typed.value = null;
     if (next !== cell.value) change({ cell: next });
   });
+}
+
+/**
+ * What is to be done where a cell was hit: one listener for all cells, since there may be thousands.
+ * @param {(event: MouseEvent, row: number, column: number) => void} act
+ */
+function onCell(act) {
+  return (/** @type {MouseEvent} */ event) => {
+    const hit = /** @type {HTMLElement | null} */ (/** @type {Element} */ (event.target).closest("td[data-row]"));
+    if (hit) act(event, Number(hit.dataset.row), Number(hit.dataset.column));
+  };
+}
+
+/** Extends the range to where the pressed mouse is. @param {MouseEvent} event @param {number} row @param {number} column */
+function sweep(event, row, column) {
+  const open = editing.value?.row === row && editing.value.column === column;
+  if (event.buttons === 1 && !open) goTo(row, column, true);
 }
 
 /** @param {MouseEvent} event @param {number} row @param {number} column */
