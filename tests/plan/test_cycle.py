@@ -94,7 +94,7 @@ def test_a_batch_begins_with_the_steady_state():
     """Where nothing is proven, the pattern of the steady state is a schedule of the batch."""
     cell = layered(12, 2, 1, seed=1)
     steady = plan_cycle(cell, minimize="cycle_time")[0]
-    batch = plan_batch(cell, 40, time_limit=1)[0]
+    batch = plan_batch(cell, 40, time_limit=3)[0]
     assert batch.makespan <= steady.makespan + 39 * steady.cycle_time + 1e-6
     assert batch.bound.makespan <= batch.makespan
 
