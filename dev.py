@@ -5,7 +5,8 @@
     python3 dev.py run ARGUMENTS    the command itself: run plan my-cell.yaml
     python3 dev.py test             format, lint, types, import rules, docs, tests
     python3 dev.py test --changed   only the tests that what you changed since the last commit can
-                                    break, or since COMMIT
+                                    break, or since COMMIT; nearest first, for two minutes, or
+                                    --within SECONDS
     python3 dev.py test --torch     a short look at what needs PyTorch, which is large and installed
                                     for this alone; ends with 3 where it cannot be
     python3 dev.py test ARGUMENTS   pytest alone, with these arguments

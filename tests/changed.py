@@ -5,6 +5,9 @@ what it imports leads down to a changed module. Of the commands that it calls on
 only those count that it names. A change of a page runs the tests that read the pages, one of an
 example those that name it. Tests that are marked slow run only in the room that was changed; the
 whole suite (`python3 dev.py test`) runs them all.
+
+Nearest first: what fewer imports part from the change runs earlier, and after two minutes
+(`--within`) no more begins. How many did not is one line at the end.
 """
 
 from __future__ import annotations
@@ -12,7 +15,8 @@ from __future__ import annotations
 import ast
 import re
 import subprocess
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -32,6 +36,8 @@ ADDED = {
     "deciders": "tandem.learn.training.algorithms",
 }
 """Group of entry points -> the module whose table they fill: it loads them by their names."""
+SECONDS = 120.0
+"""After so many no test begins any more, unless told otherwise."""
 READ = ("docs/", "README.md", "CONTRIBUTING.md", "examples/", "benchmarks/", "dev.py")
 """What tests read as files."""
 
@@ -49,6 +55,33 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         ),
     )
 
+    parser.addoption(
+        "--within",
+        type=float,
+        default=SECONDS,
+        metavar="SECONDS",
+        help=f"With --changed: after so many no test begins any more; 0 runs all. [{SECONDS:g}]",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--changed") is not None and config.getoption("--within"):
+        config.pluginmanager.register(Deadline(config.getoption("--within")), "changed-deadline")
+
+
+class Deadline:
+    """Skips what has not begun when the time is over. What is under way ends."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds, self.began = seconds, time.monotonic()
+
+    def pytest_runtest_setup(self, item: pytest.Item) -> None:
+        if time.monotonic() - self.began > self.seconds:
+            pytest.skip(
+                f"{self.seconds:g} s are over: further from the change than what ran; `--within 0`"
+                " and the whole suite run it"
+            )
+
 
 @pytest.hookimpl(trylast=True)  # rooms mark their slow tests first
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -56,9 +89,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if since is None:
         return
     files = changed_files(since)
-    kept = [item for item in items if _concerns(item, files)]
-    config.hook.pytest_deselected(items=[item for item in items if item not in set(kept)])
-    items[:] = kept
+    steps = {item: _steps_to(item, files) for item in items}
+    kept = [item for item in items if steps[item] is not None]
+    config.hook.pytest_deselected(items=[item for item in items if steps[item] is None])
+    items[:] = sorted(kept, key=lambda item: steps[item] or 0)
 
 
 def changed_files(since: str = "") -> frozenset[str]:
@@ -77,15 +111,19 @@ def _git(*arguments: str) -> list[str]:
     return found.stdout.split("\n")[:-1]
 
 
-def _concerns(item: pytest.Item, files: frozenset[str]) -> bool:
+def _steps_to(item: pytest.Item, files: frozenset[str]) -> int | None:
+    """How many imports part the test from what was changed; None when that cannot break it."""
     is_quick = item.get_closest_marker("slow") is None
     if files & set(EVERYTHING):
-        return is_quick
+        return 0 if is_quick else None
     file = item.path.relative_to(ROOT).as_posix()
     rooms = {room_of(name) for name in files if name.startswith("src/")}
     if file in files or room_of(file) in rooms:
-        return True
-    return is_quick and (bool(needs(item.path) & downstream(files)) or _reads(item.path, files))
+        return 0
+    if not is_quick:
+        return None
+    found = [steps for module, steps in downstream(files).items() if module in needs(item.path)]
+    return min(found, default=1 if _reads(item.path, files) else None)
 
 
 def room_of(file: str) -> tuple[str, ...]:
@@ -110,15 +148,28 @@ def _graph() -> Any:
 
 
 @cache
-def downstream(files: frozenset[str]) -> frozenset[str]:
-    """The modules that a change of these files can break."""
-    found = set()
-    for name in files:
-        if name.startswith("src/tandem/") and name.endswith(".py"):
-            module = ".".join(Path(name).with_suffix("").parts[1:]).removesuffix(".__init__")
-            if module in _graph().modules:
-                found |= {module, *_graph().find_downstream_modules(module)}
-    return frozenset(found)
+def downstream(files: frozenset[str]) -> Mapping[str, int]:
+    """The modules that a change of these files can break -> by how many imports they are reached;
+    0 are the changed ones.
+    """
+    found: dict[str, int] = {}
+    edge = {module for name in files if (module := module_of(name)) in _graph().modules}
+    while edge:
+        found |= dict.fromkeys(edge, max(found.values(), default=-1) + 1)
+        edge = {
+            above
+            for module in edge
+            for above in _graph().find_modules_that_directly_import(module)
+            if above not in found
+        }
+    return found
+
+
+def module_of(file: str) -> str | None:
+    """The module that a source file is; None of any other file."""
+    if not (file.startswith("src/tandem/") and file.endswith(".py")):
+        return None
+    return ".".join(Path(file).with_suffix("").parts[1:]).removesuffix(".__init__")
 
 
 @cache

@@ -100,6 +100,13 @@ def _no_excuse(report: Any) -> Any:
     return report
 
 
+@pytest.fixture(scope="session")
+def shared_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that all workers of this run see; see `tests/learn/short_runs.py`."""
+    own = tmp_path_factory.getbasetemp()
+    return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+
 # The last ones keep Chromium from trying the outside network on its own.
 CHROMIUM_OPTIONS = [
     "--no-sandbox",

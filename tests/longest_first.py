@@ -51,6 +51,8 @@ class Clock:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if not hasattr(config, "workerinput"):
         return  # one process runs in the order of the folders
+    if config.getoption("--changed") is not None:
+        return  # nearest to the change first
     known = config.workerinput[KEPT]
     slow = Counter(file_of(item) for item in items if item.get_closest_marker("slow"))
     items.sort(key=lambda item: (known.get(file_of(item), 0.0), slow[file_of(item)]), reverse=True)

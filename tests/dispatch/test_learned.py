@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from tests.dispatch.test_floor import ROUGH, driven
+from tests.learn.short_runs import VALUED, run_once
 
 import tandem
 from tandem.cell.model import Cell
@@ -28,10 +29,6 @@ from tandem.dispatch.situation.model import Situation
 from tandem.errors import CellError, UsageError
 from tandem.lab.yu2020.board import random_board
 from tandem.learn.algorithm import TrainingOrder
-from tandem.learn.alphazero import config as alphazero
-from tandem.learn.alphazero.recipes import SearchRecipe
-from tandem.learn.dqn.config import Config as DqnConfig
-from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.ppo.config import Config, Stage
 from tandem.learn.ppo.recipes import Recipe
 from tandem.learn.training.algorithms import algorithm
@@ -56,44 +53,28 @@ PPO = Config(
 TINY: dict[str, Any] = {
     "tandem": Recipe(PPO),
     "response": Recipe(PPO, people="pace:0.5..3+random:0.2"),
-    "alphazero": SearchRecipe(
-        alphazero.Config(
-            alphazero.Search(simulations=4),
-            iterations=2,
-            games=4,
-            kept=1,
-            minibatch=16,
-            minibatches=2,
-            units=8,
-        ),
-        simulations=4,
-        samples=2,
-    ),
-    "dqn": ValueRecipe(
-        DqnConfig(640, games=8, kept=64, minibatch=8, warm_up=2, target_every=5, units=8), samples=2
-    ),
 }
-SIZELESS = [name for name in TINY if name not in ("tandem", "response")]
+SIZELESS = ["alphazero", "dqn"]
+"""Networks that read cells of any size."""
+TRAINED = [*TINY, *SIZELESS]
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def runs(tmp_path_factory: pytest.TempPathFactory, shared_folder: Path) -> dict[str, Path]:
     """A short training of each kind on the thesis's cell: two seeds."""
-    from tandem.lab.quick import compiled_quickly
     from tandem.learn.training.trainer import train
 
-    folders = {}
-    with compiled_quickly():
-        for name, recipe in TINY.items():
-            folders[name] = tmp_path_factory.mktemp("learned") / "run"
-            train(
-                THESIS,
-                recipe_name=name,
-                own_recipe=recipe,
-                stress_factor=1.0,
-                seeds=(3, 4),
-                folder=folders[name],
-            )
+    folders = {name: run_once(shared_folder, name)[0] for name in SIZELESS}
+    for name, recipe in TINY.items():
+        folders[name] = tmp_path_factory.mktemp("learned") / "run"
+        train(
+            THESIS,
+            recipe_name=name,
+            own_recipe=recipe,
+            stress_factor=1.0,
+            seeds=(3, 4),
+            folder=folders[name],
+        )
     return folders
 
 
@@ -144,7 +125,7 @@ def slower(cell: Cell, factor: float) -> Cell:
     return Cell.model_validate(document)
 
 
-@pytest.mark.parametrize("name", TINY)
+@pytest.mark.parametrize("name", TRAINED)
 @pytest.mark.parametrize("pace", [1.0, 1.5])
 def test_whatever_was_learned_steers_a_whole_shift_that_keeps_to_the_cell(
     name: str, pace: float, runs: dict[str, Path]
@@ -154,7 +135,7 @@ def test_whatever_was_learned_steers_a_whole_shift_that_keeps_to_the_cell(
     assert tandem.faults(slower(THESIS, pace), ended.done) == []
 
 
-@pytest.mark.parametrize("name", TINY)
+@pytest.mark.parametrize("name", TRAINED)
 def test_live_it_does_what_it_did_in_its_training(name: str, runs: dict[str, Path]) -> None:
     """NumPy at the station and JAX in the training choose alike: the greedy pair of either seed
     comes out again.
@@ -168,7 +149,7 @@ def test_live_it_does_what_it_did_in_its_training(name: str, runs: dict[str, Pat
         )
 
 
-@pytest.mark.parametrize("name", TINY)
+@pytest.mark.parametrize("name", TRAINED)
 @pytest.mark.parametrize("seed", range(3))
 def test_mistakes_absences_and_refusals_leave_it_deciding(
     name: str, seed: int, runs: dict[str, Path]
@@ -204,7 +185,7 @@ def test_a_network_that_knows_no_sizes_steers_cells_that_it_was_not_trained_on(
 def test_what_was_learned_without_waiting_waits_only_where_there_is_nothing_to_do(
     tmp_path: Path,
 ) -> None:
-    trainee = algorithm(TrainingOrder(THESIS, replace(TINY["dqn"], waiting=False), "dqn"))
+    trainee = algorithm(TrainingOrder(THESIS, replace(VALUED, waiting=False), "dqn"))
     trainee.save_policy(trainee.begin(), 0, tmp_path / "policy-0.safetensors")
     ended = shift_of(THESIS, tmp_path / "policy-0.safetensors")
     assert tandem.faults(THESIS, ended.done) == []
@@ -213,7 +194,7 @@ def test_what_was_learned_without_waiting_waits_only_where_there_is_nothing_to_d
 
 def test_a_network_of_a_fixed_size_is_refused_on_another_cell(runs: dict[str, Path]) -> None:
     gearbox = tandem.load(ROOT / "examples" / "gearbox.yaml")
-    for name in set(TINY) - set(SIZELESS):
+    for name in TINY:
         with pytest.raises(UsageError, match="Train one on this cell"):
             learned(gearbox, SECONDS, Options(learned=str(runs[name])))
 
@@ -252,7 +233,7 @@ def test_a_network_with_notes_that_make_no_sense_is_refused(
         learned(THESIS, SECONDS, Options(learned=str(file)))
 
 
-@pytest.mark.parametrize("name", TINY)
+@pytest.mark.parametrize("name", TRAINED)
 def test_the_station_needs_no_jax(name: str, runs: dict[str, Path]) -> None:
     """With JAX barred from the process, the same shift is dispatched to its end."""
     asked = [
@@ -278,7 +259,7 @@ def test_the_station_needs_no_jax(name: str, runs: dict[str, Path]) -> None:
     assert (summary["over"], summary["failed"]) == (True, 0)
 
 
-@pytest.mark.parametrize("name", TINY)
+@pytest.mark.parametrize("name", TRAINED)
 def test_the_judge_takes_it_alone_and_in_the_chain(
     name: str, runs: dict[str, Path], capfd: pytest.CaptureFixture[str]
 ) -> None:

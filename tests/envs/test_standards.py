@@ -8,7 +8,7 @@ of one robot and one human will not do for it, it names what it is made of in `M
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import gymnasium
@@ -112,23 +112,16 @@ def test_sb3s_checker_is_green(name, options):
 # --- many at once ---
 
 
-@pytest.mark.parametrize("mode", list(AutoresetMode), ids=lambda mode: mode.name.lower())
-@pytest.mark.parametrize("way", ["sync", "async"])
-@singles
-def test_two_copies_side_by_side_play_a_thousand_steps(name, options, way, mode):
-    env = gymnasium.make_vec(
-        name,
-        num_envs=2,
-        vectorization_mode=way,
-        vector_kwargs={"autoreset_mode": mode},
-        cell=MADE_OF.get(name, CELL),
-        **options,
-    )
-    rng, ended = np.random.default_rng(0), 0
+def play_on(env: Any, keep_on: Callable[[int, int], bool]) -> int:
+    """Legal moves at random in every copy while it is to be kept on, which is asked with the steps
+    and the ended episodes so far. Returns how many episodes have ended.
+    """
+    rng, steps, ended = np.random.default_rng(0), 0, 0
+    mode = env.metadata["autoreset_mode"]
     try:
         observation, info = env.reset(seed=0)
         keys = set(info)
-        for _ in range(1000):
+        while keep_on(steps, ended):
             legal = [
                 np.flatnonzero(mask) if mask.any() else [0] for mask in observation["action_mask"]
             ]
@@ -138,12 +131,38 @@ def test_two_copies_side_by_side_play_a_thousand_steps(name, options, way, mode)
             over = terminated | truncated
             assert set(info) >= keys
             assert env.observation_space.contains(observation)
-            ended += int(over.sum())
+            steps, ended = steps + 1, ended + int(over.sum())
             if mode is AutoresetMode.DISABLED and over.any():
                 observation, info = env.reset(options={"reset_mask": over})
     finally:
         env.close()
-    assert ended > 10
+    return ended
+
+
+def two_copies(name: str, options: Any, way: str, mode: AutoresetMode) -> Any:
+    return gymnasium.make_vec(
+        name,
+        num_envs=2,
+        vectorization_mode=way,
+        vector_kwargs={"autoreset_mode": mode},
+        cell=MADE_OF.get(name, CELL),
+        **options,
+    )
+
+
+@singles
+def test_two_copies_side_by_side_play_a_thousand_steps(name, options):
+    env = two_copies(name, options, "sync", AutoresetMode.NEXT_STEP)
+    assert play_on(env, lambda steps, _: steps < 1000) > 10
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode), ids=lambda mode: mode.name.lower())
+@pytest.mark.parametrize("way", ["sync", "async"])
+@singles
+def test_copies_go_on_after_twenty_ends_in_every_way_and_mode(name, options, way, mode):
+    """Ways and modes differ in what happens where an episode ends."""
+    env = two_copies(name, options, way, mode)
+    assert play_on(env, lambda steps, ended: ended < 20 and steps < 1000) >= 20
 
 
 # --- what info holds ---

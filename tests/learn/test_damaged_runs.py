@@ -19,11 +19,10 @@ import pytest
 from safetensors import safe_open
 from safetensors.numpy import save
 from tests.learn import tiny
+from tests.learn.short_runs import run_once
 
 import tandem
 from tandem.cli.root import run
-from tandem.learn.dqn.config import Config as DqnConfig
-from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.networks import init
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import observation
@@ -53,15 +52,9 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def turns(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def turns(shared_folder: Path) -> Path:
     """Deep Q-learning, trained for a moment: its policies hold another kind of network."""
-    folder = tmp_path_factory.mktemp("dqn") / "run"
-    recipe = ValueRecipe(
-        DqnConfig(decisions=512, games=8, kept=64, minibatch=8, warm_up=2, units=8, target_every=4),
-        samples=2,
-    )
-    trainer.train(tandem.load(CELL), recipe_name="dqn", own_recipe=recipe, folder=folder)
-    return folder
+    return run_once(shared_folder, "dqn")[0]
 
 
 @pytest.fixture(scope="module")
@@ -588,9 +581,10 @@ def test_a_damaged_network_is_not_played(turns: Path, tmp_path: Path, capfd, cas
     if case.name == "an infinite weight":
         pytest.skip("a network of turns may hold what it likes best")
     shutil.copytree(turns, tmp_path / "run")
-    file = tmp_path / "run" / "policy-0.safetensors"
+    file = tmp_path / "run" / "policy-3.safetensors"
     case.damage(file)
-    refused(["evaluate", str(tmp_path / "run"), "--episodes", "2"], file, tmp_path, capfd)
+    asked = ["evaluate", str(tmp_path / "run"), "--seed", "3", "--episodes", "2"]
+    refused(asked, file, tmp_path, capfd)
 
 
 LEARNED = [

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from tests.learn import tiny
+from tests.learn.short_runs import run_once
 
 import tandem
 from tandem.cli.learn import evaluate_command, train_command
@@ -18,10 +19,8 @@ from tandem.learn.training.evaluate import evaluate
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("run") / "run"
-    tiny.train(folder)
-    return folder
+def run(shared_folder) -> Path:
+    return run_once(shared_folder, "tiny")[0]
 
 
 def test_every_player_stands_beside_the_exact_front(run):

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file
 from tests.learn import tiny
+from tests.learn.short_runs import run_once
 
 from tandem.errors import CellError, UsageError
 from tandem.learn.training import trainer
@@ -23,10 +24,9 @@ from tandem.learn.training.runs import RunFolder
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
+def whole(shared_folder):
     """A run that nothing stopped: its folder and document."""
-    folder = tmp_path_factory.mktemp("whole") / "run"
-    return folder, tiny.train(folder)
+    return run_once(shared_folder, "tiny")
 
 
 def same_run(left: Path, right: Path) -> None:

@@ -8,10 +8,12 @@ import json
 import shutil
 from dataclasses import replace
 
+import jax
 import pytest
 from click.testing import CliRunner
 from safetensors.numpy import load_file
 from tests.learn import tiny
+from tests.learn.short_runs import SEARCHED_FACTOR, held_after, run_once, with_every_interval
 
 import tandem
 from tandem.cli.learn import evaluate_command
@@ -19,11 +21,12 @@ from tandem.errors import CellError, UsageError
 from tandem.lab.yu2020.board import random_board
 from tandem.lab.yu2020.config import YuConfig, YuSearch
 from tandem.lab.yu2020.recipe import YuRecipe
-from tandem.learn.alphazero import config as alphazero
+from tandem.learn.algorithm import TrainingOrder
 from tandem.learn.alphazero.recipes import SearchRecipe
 from tandem.learn.dqn.config import Config as DqnConfig
 from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.training import trainer
+from tandem.learn.training.algorithms import algorithm
 from tandem.learn.training.recipes import RECIPES, changed, recipe_from
 from tandem.learn.training.runs import RunFolder
 
@@ -44,23 +47,6 @@ THREE = tandem.Cell.model_validate(
 BOARD = random_board(4, 4, 2, 3, 3, 5, seed=1).to_cell()
 
 SMALL = {
-    "alphazero": (
-        tandem.load(tiny.CELL),
-        5.0,
-        SearchRecipe(
-            alphazero.Config(
-                alphazero.Search(simulations=12),
-                iterations=14,
-                games=16,
-                kept=3,
-                minibatch=64,
-                minibatches=12,
-                units=16,
-            ),
-            simulations=12,
-            samples=4,
-        ),
-    ),
     "yu": (
         BOARD,
         0.0,
@@ -82,28 +68,18 @@ SMALL = {
 }
 
 
-@pytest.fixture(scope="module", params=SMALL)
-def whole(request, tmp_path_factory):
+@pytest.fixture(scope="module", params=["alphazero", *SMALL])
+def whole(request, tmp_path_factory, shared_folder):
     """A run that nothing stopped: what was asked, its folder, its document. Beside it is kept what
     the folder held after each interval.
     """
+    if request.param not in SMALL:
+        options = {"recipe_name": request.param, "stress_factor": SEARCHED_FACTOR}
+        return tandem.load(tiny.CELL), options, *run_once(shared_folder, request.param)
     cell, factor, recipe = SMALL[request.param]
     folder = tmp_path_factory.mktemp(request.param) / "run"
-
-    def keep(progress):
-        shutil.copytree(folder, held_after(folder, progress.rows[0]["interval"]))
-
-    options = {
-        "own_recipe": recipe,
-        "recipe_name": request.param,
-        "stress_factor": factor,
-        "seeds": (3, 4),
-    }
-    return cell, options, folder, trainer.train(cell, folder=folder, on_progress=keep, **options)
-
-
-def held_after(folder, interval):
-    return folder.with_name(f"after-{interval}")
+    options = {"own_recipe": recipe, "recipe_name": request.param, "stress_factor": factor}
+    return cell, options, folder, with_every_interval(folder, cell, **options)
 
 
 def test_what_is_learned_is_held_against_the_exact_front(whole):
@@ -196,3 +172,11 @@ def test_settings_of_a_recipe_are_changed_by_name_and_faults_come_all_at_once():
         match=r"(?s)--set x=3: .*has no such setting.*--set waiting 3: must be true or false",
     ):
         changed(RECIPES["alphazero"], ["x=3", "waiting=3"])
+
+
+@pytest.mark.parametrize("name", ["alphazero", "dqn", "tandem", "response", "station", "yu2020"])
+def test_a_training_begins_in_the_form_in_which_it_goes_on(name):
+    """What begins in a weak type goes on in a strong one, and all is compiled a second time."""
+    cell = BOARD if name == "yu2020" else tandem.load(tiny.CELL)
+    trainee = algorithm(TrainingOrder(cell, RECIPES[name], name))
+    assert not [leaf for leaf in jax.tree.leaves(jax.eval_shape(trainee.begin)) if leaf.weak_type]

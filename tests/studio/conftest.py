@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,20 +10,28 @@ import pytest
 from tests.studio.page import PATIENCE_MS, Expect, Server, Studio, copied
 
 
-@pytest.fixture
-def studio(browser: Any, tmp_path: Path) -> Iterator[Studio]:
-    """The studio on a copy of the thesis's example, which may be saved."""
-    opened = Studio(browser, copied(tmp_path))
-    yield opened
-    opened.close()
-
-
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    """One server for all tests of a file that save nothing."""
+    """One server for all tests of a file: a process of its own, and one that plans, cost each test
+    seconds.
+    """
     running = Server(copied(tmp_path_factory.mktemp("studio")))
     yield running
     running.stop()
+
+
+@pytest.fixture
+def studio(browser: Any, server: Server) -> Iterator[Studio]:
+    """The studio on a copy of the thesis's example, which may be saved: afterwards its folder is as
+    it was.
+    """
+    opened = Studio(browser, server.path, server)
+    yield opened
+    opened.close()
+    server.settle()
+    for beside in server.path.parent.iterdir():
+        beside.unlink()
+    copied(server.path.parent)
 
 
 @pytest.fixture

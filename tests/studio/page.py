@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
+from urllib.request import Request, urlopen
 
 import pytest
 
@@ -35,6 +36,14 @@ class Server:
         )
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
+
+    def settle(self) -> None:
+        """Comes back once it has answered what it was asked before."""
+        place = urlsplit(self.address)
+        token = {"X-Tandem-Token": place.fragment.removeprefix("token=")}
+        request = Request(f"http://{place.netloc}/api/health", headers=token)
+        with urlopen(request, timeout=PATIENCE_MS / 1000) as answer:
+            assert answer.status == 200
 
     def stop(self) -> None:
         self.process.send_signal(signal.SIGINT)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from tandem.cli.compiled import keep_compiled
+from tandem.cli.options import FRONT_LIMIT
 from tandem.files.atomic import store
 
 if TYPE_CHECKING:
@@ -50,13 +51,7 @@ WIDEST = 6
 @click.option(
     "--stress-factor", type=float, help="What a unit of stress counts; as trained when absent."
 )
-@click.option(
-    "--front-limit",
-    type=float,
-    default=30.0,
-    show_default=True,
-    help="Seconds for the exact front.",
-)
+@FRONT_LIMIT
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Every pair, as CSV."
 )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cli.compiled import keep_compiled, needs_jax
-from tandem.cli.options import FORMAT
+from tandem.cli.options import FORMAT, FRONT_LIMIT
 from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
@@ -86,13 +86,7 @@ class _Train(click.Command):
     help="Folder that the run is kept in; a new one under runs/ when absent.",
 )
 @click.option("--resume", type=FOLDER, metavar="RUN", help="Go on with a run that was stopped.")
-@click.option(
-    "--front-limit",
-    type=float,
-    default=30.0,
-    show_default=True,
-    help="Seconds for the exact front that everything is held against.",
-)
+@FRONT_LIMIT
 @click.option(
     "--tensorboard", is_flag=True, help="Write TensorBoard events into the run's folder too."
 )
@@ -267,13 +261,7 @@ def _show_training(document: dict[str, Any]) -> None:
     show_default=True,
     help="Episodes of the sampled and the random player.",
 )
-@click.option(
-    "--front-limit",
-    type=float,
-    default=30.0,
-    show_default=True,
-    help="Seconds for the exact front.",
-)
+@FRONT_LIMIT
 @click.option(
     "--gantt", type=PICTURE, help="Draw the greedy schedule into this .svg, .png or .pdf."
 )

@@ -19,6 +19,13 @@ AS_JSON = click.option(
     "--json", "as_json", is_flag=True, help="Print one document on stdout and nothing else there."
 )
 
+FRONT_LIMIT = click.option(
+    "--front-limit",
+    type=float,
+    default=30.0,
+    show_default=True,
+    help="Seconds for the exact front that everything is held against.",
+)
 FORMAT = click.option(
     "--format",
     "form",

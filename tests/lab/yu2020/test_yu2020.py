@@ -5,6 +5,7 @@ result says.
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from tandem.errors import CellError
 from tandem.lab.records import read_record
 from tandem.lab.yu2020 import experiment, games, layout, runs
 from tandem.lab.yu2020.board import desk, random_board
+from tandem.lab.yu2020.pictures import film
 from tandem.lab.yu2020.play import follow, play
 
 
@@ -113,7 +115,9 @@ def test_a_changed_record_stops_the_reproduction(quick, tmp_path, capfd):
     refuses_changed_records(["reproduce", "yu2020", "--quick"], quick[0], tmp_path, capfd)
 
 
-def test_the_figures_are_drawn(quick, tmp_path):
+def test_the_figures_are_drawn(quick, tmp_path, monkeypatch):
+    # a frame of 53 pieces costs half a second: two a film show as much as twelve
+    monkeypatch.setattr("tandem.lab.yu2020.figures.film", partial(film, count=2))
     files = experiment.draw_figures(quick[1], tmp_path)
     films = {
         "film-exact-no-waiting",

@@ -73,7 +73,7 @@ def start(key: Array, games: Game, config: Config) -> Learner:
         _optimiser(config).init(parameters),
         memory,
         best,
-        jnp.full(pool, jnp.inf),
+        jnp.full(pool, jnp.inf, jnp.float32),  # a weak type would be compiled for alone
         key,
         zero,
         zero,
