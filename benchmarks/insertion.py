@@ -2,7 +2,7 @@
 warm the search is and how many tasks are taken out at once.
 
     python benchmarks/insertion.py [--tasks 50 200 500 1000] [--seeds 2] [--seconds 2]
-        [--levels 1x3,2x3,4x6,8x6 1x3]
+        [--levels 1x3,2x3,4x3 1x3] [--level-visits 2500000]
     python benchmarks/insertion.py --data DIR [--seconds 1] [--levels ...]
 
 From the schedule of the rule "balanced". Of random layered cells gaps are to the bounds that need
@@ -56,7 +56,9 @@ def main() -> int:
     parser.add_argument(
         "--levels", type=_levels, nargs="+", default=[insertion.LEVELS], metavar="FACTORxOUT,..."
     )
+    parser.add_argument("--level-visits", type=int, default=insertion.LEVEL_VISITS)
     options = parser.parse_args()
+    insertion.LEVEL_VISITS = options.level_visits
     insertion_moves.warm()
     for insertion.LEVELS in options.levels:
         print(", ".join(f"{factor:g}x{out}" for factor, out in insertion.LEVELS))

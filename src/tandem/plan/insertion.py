@@ -30,7 +30,7 @@ WARMTH_OF_FEW, WARMTH_OF_MANY, FEW = 0.06, 0.03, 100
 """The loss accepted with probability 1/e, in mean ticks (and mean stress) of a task: up to `FEW`
 tasks, and from twice as many on.
 """
-LEVELS = ((1, 3), (2, 3), (4, 6), (8, 6))
+LEVELS: tuple[tuple[float, int], ...] = ((1, 3), (2, 3), (4, 3), (8, 3), (16, 3))
 """How much warmer than that, and how many tasks are taken out at once at most: a search that finds
 nothing better goes on at the next level, and behind the last at the first, from the best plan.
 Cells of many operators with little choice, job shops, need the warm ones, most others the first.
