@@ -2,7 +2,7 @@
 next to the best values known.
 
     python benchmarks/public_sets.py --data DIR [--sets fjsp_kacem ...] [--limit-per-set 3]
-        [--seconds 15] [--peers tandem ...] [-o FILE.csv]
+        [--only NAME ...] [--seconds 15] [--peers tandem ...] [-o FILE.csv]
     python benchmarks/public_sets.py --data DIR --show FILE.csv
 
 DIR holds a folder per set with its instances and a best_known.csv (instance, lower_bound,
@@ -109,6 +109,7 @@ def main() -> int:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--sets", nargs="+")
     parser.add_argument("--limit-per-set", type=int, metavar="N")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="these instances of the sets")
     parser.add_argument("--seconds", type=float, default=15.0)
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--seed", type=int, default=0)
@@ -151,9 +152,8 @@ def _run(
     """Adds what is missing to the rows."""
     done = {(row.set, row.instance, row.solver) for row in rows}
     for name in names:
-        for instance, lower, upper, path in spread(
-            list(instances(options.data / name)), options.limit_per_set
-        ):
+        asked = [one for one in instances(options.data / name) if one[0] in (options.only or one)]
+        for instance, lower, upper, path in spread(asked, options.limit_per_set):
             wanted = [peer for peer in options.peers if (name, instance, peer) not in done]
             cell = load(path) if wanted else None
             for peer in wanted:
