@@ -194,7 +194,7 @@ def read(path: Path, limits: tuple[float, int, int] | None = None) -> list[Row]:
 
 def _line(row: Row) -> str:
     gap = "nothing" if row.gap is None else f"{row.makespan:>9g}  {100 * row.gap:+6.2f} %"
-    known = f"{row.set:<18}{row.instance:<26}{row.lower:>7g}{row.upper:>7g}"
+    known = f"{row.set:<20}{row.instance:<26}{row.lower:>7g}{row.upper:>7g}"
     return (
         f"{known}  {row.solver:<10}{gap}  bound {row.bound or 0:>8g} "
         f" {'proven' if row.proven else '':<6} {row.wall_s:6.2f} s"
@@ -212,7 +212,7 @@ def _write(path: Path, rows: list[Row], limits: tuple[float, int, int]) -> None:
 
 def _summary(rows: list[Row], there: list[str], data: Path) -> None:
     print(
-        f"\n{'set':<18}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}"
+        f"\n{'set':<20}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}"
         f"{'mean gap to best known':>25}{'worse':>7}{'better':>7}{'mean s':>8}"
     )
     peers = list(dict.fromkeys(row.solver for row in rows))
@@ -223,12 +223,12 @@ def _summary(rows: list[Row], there: list[str], data: Path) -> None:
             gaps = [row.gap for row in mine if row.gap is not None]
             seconds = sum(row.wall_s for row in mine) / max(len(mine), 1)
             print(
-                f"{name:<18}{peer:<11}{len(mine):>9}{len(gaps):>8}"
+                f"{name:<20}{peer:<11}{len(mine):>9}{len(gaps):>8}"
                 f"{sum(row.proven for row in mine):>8}{sum(gaps) / max(len(gaps), 1):>24.2%} "
                 f"{sum(gap > 0 for gap in gaps):>7}{sum(gap < 0 for gap in gaps):>7}"
                 f"{seconds:>8.2f}"
             )
-        print(f"{name:<18}ahead: {ahead(rows, name)}")
+        print(f"{name:<20}ahead: {ahead(rows, name)}")
     run = {name: len({row.instance for row in rows if row.set == name}) for name in names}
     print(
         "\nrun:", ", ".join(f"{count} of {_size(data, name)} {name}" for name, count in run.items())
@@ -251,7 +251,12 @@ def ahead(rows: list[Row], name: str) -> str:
     }
     mean = {peer: round(sum(own) / max(len(own), 1), 6) for peer, own in gaps.items()}
     most = [peer for peer in peers if proven[peer] == max(proven.values())]
-    least = [peer for peer in peers if mean[peer] == min(mean.values())]
+    solved_by = {peer: sum(r.gap is not None for r in mine if r.solver == peer) for peer in peers}
+    # where no instance was solved by all, who solved most
+    able = peers
+    if not any(gaps.values()):
+        able = [peer for peer in peers if solved_by[peer] == max(solved_by.values())]
+    least = [peer for peer in able if mean[peer] == min(mean[other] for other in able)]
     solved = f" ({len(nothing)} not solved by all)" if nothing else ""
     return f"proofs {', '.join(most)}; mean gap {', '.join(least)}{solved}"
 

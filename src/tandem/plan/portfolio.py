@@ -32,6 +32,10 @@ FEW_CORES = 3
 """With so many workers at most, the first turn of insertion goes before the proof."""
 FIRST_TURN_S = 0.3
 """Seconds that its first turn takes at most."""
+PROVED_AT_ONCE = 60
+"""Up to so many tasks the proof waits for nobody: a plain model proves many of these cells in less
+time than it takes to load the compiled search, and what it proves alone is not to be lost.
+"""
 
 
 class Portfolio(Race):
@@ -60,10 +64,11 @@ class Portfolio(Race):
         return [*improvers, self._relax_and_improve]
 
     def _prove_later(self, workers: int, seed: int) -> None:
-        """Proves when insertion has had its first turn: on few cores it would come late else, and
-        what it finds makes the proof shorter.
+        """Proves when insertion has had its first turn, where the cell is not small: on few cores
+        it would come late else, and what it finds makes the proof shorter.
         """
-        if inserts(self) and self.effort.workers <= FEW_CORES:
+        is_large = len(self.instance.tasks) > PROVED_AT_ONCE
+        if is_large and inserts(self) and self.effort.workers <= FEW_CORES:
             await_loading(self)
             until = monotonic() + FIRST_TURN_S
             while not self.inserted and monotonic() < until and not self.over:
