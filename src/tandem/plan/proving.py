@@ -16,6 +16,7 @@ from ortools.sat.python import cp_model
 from tandem.plan import cpsat
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.door import Admitted
+from tandem.plan.improving import inserts
 from tandem.plan.list_scheduling import by_start
 from tandem.plan.lower_bound import Proof, prove_makespan
 from tandem.plan.provers import Prover
@@ -125,7 +126,7 @@ class CpSat:
                 return None if value is None else self.race.raise_bound(value, Prover.CP_SAT)
             if not watcher.outdated or work is not None:
                 return None
-            patience *= 2
+            patience *= 1 if watcher.is_early and self.race.inserted else 2
         return None
 
     @property
@@ -198,6 +199,8 @@ class CpSat:
     ) -> Any:
         with self.race.lock:
             self.race.running.append(solver)
+            if watcher is not None:
+                self.race.watchers.append(watcher.look)
         try:
             if self.race.stopped:
                 return cp_model.UNKNOWN
@@ -213,6 +216,8 @@ class CpSat:
         finally:
             with self.race.lock:
                 self.race.running.remove(solver)
+                if watcher is not None:
+                    self.race.watchers.remove(watcher.look)
 
     def _nothing_below(self, value: int, below: bool) -> None:
         """The model has no solution although the incumbent's value is given; unless it asked for
@@ -298,7 +303,9 @@ class States:
 
 
 class _Watcher(cp_model.CpSolverSolutionCallback):
-    """Hands on what the prover finds, and stops it when an improver has overtaken it for long."""
+    """Hands on what the prover finds, and stops it when others have overtaken it for long, or in the
+    first turn of insertion, which finds most of what there is to be found.
+    """
 
     def __init__(
         self,
@@ -317,25 +324,24 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
             patience,
         )
         self.began, self.mine, self.outdated = monotonic(), cut, False
+        self.is_early = inserts(race) and not race.inserted
 
     def on_solution_callback(self) -> None:
         starts = self.plan.read(self.value)
         self.mine = self.race.proposed(starts, round(self.objective_value))
-        self._look()
+        self.look()
 
     def on_bound(self, bound: float) -> None:
         known = ceil(bound - 1e-6)
         least = known if self.cut is None else min(known, self.cut)
         self.race.raise_bound(least, Prover.CP_SAT)
-        self._look()
+        self.look()
 
-    def _look(self) -> None:
+    def look(self) -> None:
+        """Stops the prover if that is due; also called while it has nothing to say."""
         race = self.race
         overtaken = race.value is not None and (self.mine is None or race.value < self.mine)
-        if (
-            race.over
-            or race.door.refused
-            or (overtaken and monotonic() - self.began > self.patience)
-        ):
+        is_due = (self.is_early and race.inserted) or monotonic() - self.began > self.patience
+        if race.over or race.door.refused or (overtaken and is_due):
             self.outdated = not race.over
             self.solver.stop_search()
