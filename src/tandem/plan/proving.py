@@ -303,8 +303,8 @@ class States:
 
 
 class _Watcher(cp_model.CpSolverSolutionCallback):
-    """Hands on what the prover finds, and stops it when others have overtaken it for long, or in the
-    first turn of insertion, which finds most of what there is to be found.
+    """Hands on what the prover finds, and stops it when others have overtaken it for long, or in
+    the first turn of insertion, which finds most of what there is to be found.
     """
 
     def __init__(
@@ -328,7 +328,9 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
 
     def on_solution_callback(self) -> None:
         starts = self.plan.read(self.value)
-        self.mine = self.race.proposed(starts, round(self.objective_value))
+        value = self.race.proposed(starts, round(self.objective_value))
+        # what it was given counts, too: its own first schedule may be a worse one
+        self.mine = min((v for v in (self.mine, value) if v is not None), default=None)
         self.look()
 
     def on_bound(self, bound: float) -> None:
