@@ -11,7 +11,7 @@ from time import monotonic
 
 from tandem.plan import insertion
 from tandem.plan.improving import Improver, await_loading, inserts
-from tandem.plan.proving import CpSat, States
+from tandem.plan.proving import PROVED_AT_ONCE, CpSat, States
 from tandem.plan.race import Job, Race
 
 LARGE = 150
@@ -32,10 +32,6 @@ FEW_CORES = 3
 """With so many workers at most, the first turn of insertion goes before the proof."""
 FIRST_TURN_S = 0.3
 """Seconds that its first turn takes at most."""
-PROVED_AT_ONCE = 60
-"""Up to so many tasks the proof waits for nobody: a plain model proves many of these cells in less
-time than it takes to load the compiled search, and what it proves alone is not to be lost.
-"""
 
 
 class Portfolio(Race):

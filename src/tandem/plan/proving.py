@@ -16,7 +16,6 @@ from ortools.sat.python import cp_model
 from tandem.plan import cpsat
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.door import Admitted
-from tandem.plan.improving import inserts
 from tandem.plan.list_scheduling import by_start
 from tandem.plan.lower_bound import Proof, prove_makespan
 from tandem.plan.provers import Prover
@@ -33,6 +32,13 @@ ROWS_SHARE = 0.25
 """Their share of the time."""
 PATIENT_S = 1.0
 """Seconds for which a prover goes on when it has been overtaken; twice that the next time."""
+PROVED_AT_ONCE = 60
+"""Up to so many tasks the proof waits for nobody and is not soon begun again: a plain model proves
+many of these cells in two seconds of a core from whatever schedule it has, and what it would prove
+alone is not to be lost.
+"""
+PATIENT_AT_ONCE_S = 10.0
+"""The same seconds for these."""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 REFUTABLE = 80
@@ -106,7 +112,8 @@ class CpSat:
         """One of the models, begun again whenever the incumbent has moved away from under it."""
         # where ticks are fine one model does it all
         rules = self.race.rules if below or self.race.is_fine else self._plain
-        patience = PATIENT_S
+        is_at_once = len(self.instance.tasks) <= PROVED_AT_ONCE
+        patience = PATIENT_AT_ONCE_S if is_at_once else PATIENT_S
         while not self.race.over:
             with self.race.lock:
                 incumbent, cut = self.race.best, self.race.value
@@ -126,7 +133,7 @@ class CpSat:
                 return None if value is None else self.race.raise_bound(value, Prover.CP_SAT)
             if not watcher.outdated or work is not None:
                 return None
-            patience *= 1 if watcher.is_early and self.race.inserted else 2
+            patience *= 2
         return None
 
     @property
@@ -199,8 +206,6 @@ class CpSat:
     ) -> Any:
         with self.race.lock:
             self.race.running.append(solver)
-            if watcher is not None:
-                self.race.watchers.append(watcher.look)
         try:
             if self.race.stopped:
                 return cp_model.UNKNOWN
@@ -216,8 +221,6 @@ class CpSat:
         finally:
             with self.race.lock:
                 self.race.running.remove(solver)
-                if watcher is not None:
-                    self.race.watchers.remove(watcher.look)
 
     def _nothing_below(self, value: int, below: bool) -> None:
         """The model has no solution although the incumbent's value is given; unless it asked for
@@ -303,9 +306,7 @@ class States:
 
 
 class _Watcher(cp_model.CpSolverSolutionCallback):
-    """Hands on what the prover finds, and stops it when others have overtaken it for long, or in
-    the first turn of insertion, which finds most of what there is to be found.
-    """
+    """Hands on what the prover finds, and stops it when an improver has overtaken it for long."""
 
     def __init__(
         self,
@@ -324,26 +325,27 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
             patience,
         )
         self.began, self.mine, self.outdated = monotonic(), cut, False
-        self.is_early = inserts(race) and not race.inserted
 
     def on_solution_callback(self) -> None:
         starts = self.plan.read(self.value)
         value = self.race.proposed(starts, round(self.objective_value))
         # what it was given counts, too: its own first schedule may be a worse one
         self.mine = min((v for v in (self.mine, value) if v is not None), default=None)
-        self.look()
+        self._look()
 
     def on_bound(self, bound: float) -> None:
         known = ceil(bound - 1e-6)
         least = known if self.cut is None else min(known, self.cut)
         self.race.raise_bound(least, Prover.CP_SAT)
-        self.look()
+        self._look()
 
-    def look(self) -> None:
-        """Stops the prover if that is due; also called while it has nothing to say."""
+    def _look(self) -> None:
         race = self.race
         overtaken = race.value is not None and (self.mine is None or race.value < self.mine)
-        is_due = (self.is_early and race.inserted) or monotonic() - self.began > self.patience
-        if race.over or race.door.refused or (overtaken and is_due):
+        if (
+            race.over
+            or race.door.refused
+            or (overtaken and monotonic() - self.began > self.patience)
+        ):
             self.outdated = not race.over
             self.solver.stop_search()

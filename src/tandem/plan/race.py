@@ -95,7 +95,6 @@ class Race(ABC):
         self.at_work = 0
         self.threads: list[threading.Thread] = []
         self.running: list[cp_model.CpSolver] = []
-        self.watchers: list[Callable[[], None]] = []
 
     @abstractmethod
     def jobs(self) -> list[Job]:
@@ -172,8 +171,6 @@ class Race(ABC):
             self.start()
             while self.at_work:
                 hear(self.inbox, 0.05)
-                for look in tuple(self.watchers):
-                    look()
                 if self.over:
                     self.stop()
         finally:
