@@ -39,14 +39,13 @@ from tandem.plan.list_scheduling import Layout
 from tandem.plan.lower_bound import prove_makespan
 from tandem.plan.method import Progress
 from tandem.plan.methods import plan
+from tandem.plan.proving import REFUTABLE, REFUTABLE_OPERATORS
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan
 from tandem.schedule.model import Schedule
 
 HERE = Path(__file__).parent / "archive"
 SETS = ("fjsp_dag_birgin", "hrc_battery_cells")
-STATES_AT_MOST = 80
-"""Tasks; beyond, the search through states along the clock proves nothing in the time given."""
 STATES_FROM = 0.9
 """It is asked when the bound is at least this share of the makespan."""
 CLOSED: dict[str, Callable[[Layout], int]] = {
@@ -218,7 +217,10 @@ def work_on(entry: Entry, cell: Cell, seconds: float, workers: int) -> bool:
         entry.take_bound(instance.seconds(bound(layout)), name, how())
     finished = True
     try:
-        if entry.schedule is not None and len(instance.tasks) <= STATES_AT_MOST:
+        is_refutable = (
+            len(instance.tasks) <= REFUTABLE and len(instance.operators) <= REFUTABLE_OPERATORS
+        )
+        if entry.schedule is not None and is_refutable:
             _through_states(entry, cell, instance, seconds / 3, how)
         left = seconds - (monotonic() - began)
         if not entry.proven and left > 0:

@@ -14,6 +14,8 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Iterable
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +24,7 @@ from ortools.sat.python import cp_model
 sys.path.insert(0, str(Path(__file__).parent))
 from archive import SETS, entries, unpacked
 from tandem.cell.model import Cell
-from tandem.plan.cpsat import IMPLIED, RULES, formulate
+from tandem.plan.cpsat import IMPLIED, RULES, Decisions, Rule, closure, formulate
 from tandem.plan.instance import Instance
 from tandem.plan.starts import measures
 from tandem.schedule.model import Schedule
@@ -31,16 +33,114 @@ EIGHT = [
     *("battery_H3R4", "battery_H5R2", "battery_H5R3", "battery_H2R4", "battery_H4R3"),
     *("DAFJS02", "DAFJS05", "YFJS12"),
 ]
-MODELS = {
-    "plain": (False, None),
-    "plain-cut": (False, 0),
-    "plain-below": (False, -1),
-    "rows": (True, None),
-    "rows-cut": (True, 0),
-    "rows-below": (True, -1),
+
+
+def windows(plan: Decisions) -> None:
+    """For every pair of a head and a tail, what an operator does of the tasks that lie between fits
+    there (energetic reasoning; Baptiste, Le Pape, Nuijten 2001, Constraint-Based Scheduling).
+    """
+    instance, tasks = plan.instance, range(len(plan.instance.tasks))
+    heads = sorted({instance.head[task] for task in tasks})
+    rests = sorted({instance.rest[task] for task in tasks})
+    for operator in range(len(instance.operators)):
+        seen: set[tuple[int, ...]] = set()
+        for head, rest in product(heads, rests):
+            inside = tuple(
+                task
+                for task in tasks
+                if instance.head[task] >= head
+                and instance.rest[task] >= rest
+                and plan.does(task, operator)
+            )
+            if len(inside) > 1 and inside not in seen:
+                seen.add(inside)
+                plan.model.add(_work(plan, operator, inside) + head + rest <= plan.makespan)
+
+
+def between(plan: Decisions) -> None:
+    """What an operator does behind one task and before another fits between the two."""
+    instance = plan.instance
+    above = closure(instance.before, instance.order)
+    below = closure(instance.behind, instance.order[::-1])
+    for last in range(len(instance.tasks)):
+        for first in above[last]:
+            inside = sorted(below[first] & above[last])
+            for operator in range(len(instance.operators)):
+                mine = [task for task in inside if plan.does(task, operator)]
+                if len(mine) > 1:
+                    plan.model.add(
+                        plan.end[first] + _work(plan, operator, mine) <= plan.start[last]
+                    )
+
+
+def all_at_once(plan: Decisions) -> None:
+    """Never more tasks at a time than there are operators: one cumulative over intervals that are
+    always present.
+    """
+    instance, model = plan.instance, plan.model
+    spans = []
+    for task, ways in enumerate(instance.ways):
+        ticks = {way.ticks for way in ways}
+        length = model.new_int_var(min(ticks), max(ticks), "")
+        model.add(length == plan.end[task] - plan.start[task])
+        end = model.new_int_var(0, plan.upper, "")
+        spans.append(model.new_interval_var(plan.start[task], length, end, ""))
+    teams = [min(len(way.operators) for way in ways) for ways in instance.ways]
+    model.add_cumulative(spans, teams, len(instance.operators))
+
+
+def alike_in_order(plan: Decisions) -> None:
+    """Of operators that nothing tells apart the second takes no task before the first has one, by
+    the order of the tasks in the cell.
+    """
+    instance = plan.instance
+    kinds: dict[object, list[int]] = {}
+    for operator in range(len(instance.operators)):
+        others = [
+            sorted((way.ticks, way.stress) for way in ways if way.operators == (operator,))
+            for ways in instance.ways
+        ]
+        joint = any(
+            operator in w.operators and len(w.operators) > 1 for r in instance.ways for w in r
+        )
+        kinds.setdefault((operator,) if joint else str(others), []).append(operator)
+    for one, other in (pair for kind in kinds.values() for pair in pairwise(kind)):
+        mine: list[cp_model.IntVar] = []
+        for task in range(len(instance.tasks)):
+            for x in plan.does(task, other):
+                plan.model.add(x <= sum(mine))
+            mine += plan.does(task, one)
+
+
+def _work(plan: Decisions, operator: int, tasks: Iterable[int]) -> cp_model.LinearExprT:
+    return sum(
+        way.ticks * x
+        for task in tasks
+        for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True)
+        if operator in way.operators
+    )
+
+
+PLAIN = tuple(rule for rule in RULES if rule not in IMPLIED)
+MODELS: dict[str, tuple[tuple[Rule, ...], int | None]] = {
+    "plain": (PLAIN, None),
+    "plain-cut": (PLAIN, 0),
+    "plain-below": (PLAIN, -1),
+    "plain-windows": ((*PLAIN, windows), None),
+    "plain-between": ((*PLAIN, between), None),
+    "plain-at-once": ((*PLAIN, all_at_once), None),
+    "plain-alike": ((*PLAIN, alike_in_order), None),
+    "rows": (RULES, None),
+    "rows-cut": (RULES, 0),
+    "rows-below": (RULES, -1),
+    "rows-windows-below": ((*RULES, windows), -1),
+    "rows-between-below": ((*RULES, between), -1),
+    "rows-at-once-below": ((*RULES, all_at_once), -1),
+    "rows-alike-below": ((*RULES, alike_in_order), -1),
 }
-"""Name -> with the implied rows; how far beyond the incumbent a schedule may last, in ticks (None:
-to the horizon). Where the incumbent is in the model it is a hint.
+"""Name -> the rules of the model; how far beyond the incumbent a schedule may last, in ticks (None:
+to the horizon). Where the incumbent is in the model it is a hint. `alike` may leave it out, and has
+another one of the same makespan.
 """
 PARAMETERS: dict[str, dict[str, Any]] = {
     "default": {},
@@ -107,9 +207,9 @@ def proven(
     """
     instance = Instance.of(cell)
     starts = instance.starts(schedule)
-    rows, beyond = MODELS[model]
+    rules, beyond = MODELS[model]
     upper = instance.horizon if beyond is None else measures(instance, starts)[0] + beyond
-    plan = formulate(instance, upper, [rule for rule in RULES if rows or rule not in IMPLIED])
+    plan = formulate(instance, upper, rules)
     if beyond is None or beyond >= 0:
         plan.hint(starts)
     plan.model.minimize(plan.makespan)

@@ -2,7 +2,7 @@
 next to the best values known.
 
     python benchmarks/public_sets.py --data DIR [--sets fjsp_kacem ...] [--limit-per-set 3]
-        [--seconds 15] [--peers tandem ...] [-o FILE.csv]
+        [--only NAME ...] [--seconds 15] [--peers tandem ...] [-o FILE.csv]
     python benchmarks/public_sets.py --data DIR --show FILE.csv
 
 DIR holds a folder per set with its instances and a best_known.csv (instance, lower_bound,
@@ -109,6 +109,7 @@ def main() -> int:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--sets", nargs="+")
     parser.add_argument("--limit-per-set", type=int, metavar="N")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="these instances of the sets")
     parser.add_argument("--seconds", type=float, default=15.0)
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--seed", type=int, default=0)
@@ -151,9 +152,8 @@ def _run(
     """Adds what is missing to the rows."""
     done = {(row.set, row.instance, row.solver) for row in rows}
     for name in names:
-        for instance, lower, upper, path in spread(
-            list(instances(options.data / name)), options.limit_per_set
-        ):
+        asked = [one for one in instances(options.data / name) if one[0] in (options.only or one)]
+        for instance, lower, upper, path in spread(asked, options.limit_per_set):
             wanted = [peer for peer in options.peers if (name, instance, peer) not in done]
             cell = load(path) if wanted else None
             for peer in wanted:
@@ -194,7 +194,7 @@ def read(path: Path, limits: tuple[float, int, int] | None = None) -> list[Row]:
 
 def _line(row: Row) -> str:
     gap = "nothing" if row.gap is None else f"{row.makespan:>9g}  {100 * row.gap:+6.2f} %"
-    known = f"{row.set:<18}{row.instance:<26}{row.lower:>7g}{row.upper:>7g}"
+    known = f"{row.set:<20}{row.instance:<26}{row.lower:>7g}{row.upper:>7g}"
     return (
         f"{known}  {row.solver:<10}{gap}  bound {row.bound or 0:>8g} "
         f" {'proven' if row.proven else '':<6} {row.wall_s:6.2f} s"
@@ -212,7 +212,7 @@ def _write(path: Path, rows: list[Row], limits: tuple[float, int, int]) -> None:
 
 def _summary(rows: list[Row], there: list[str], data: Path) -> None:
     print(
-        f"\n{'set':<18}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}"
+        f"\n{'set':<20}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}"
         f"{'mean gap to best known':>25}{'worse':>7}{'better':>7}{'mean s':>8}"
     )
     peers = list(dict.fromkeys(row.solver for row in rows))
@@ -223,12 +223,12 @@ def _summary(rows: list[Row], there: list[str], data: Path) -> None:
             gaps = [row.gap for row in mine if row.gap is not None]
             seconds = sum(row.wall_s for row in mine) / max(len(mine), 1)
             print(
-                f"{name:<18}{peer:<11}{len(mine):>9}{len(gaps):>8}"
+                f"{name:<20}{peer:<11}{len(mine):>9}{len(gaps):>8}"
                 f"{sum(row.proven for row in mine):>8}{sum(gaps) / max(len(gaps), 1):>24.2%} "
                 f"{sum(gap > 0 for gap in gaps):>7}{sum(gap < 0 for gap in gaps):>7}"
                 f"{seconds:>8.2f}"
             )
-        print(f"{name:<18}ahead: {ahead(rows, name)}")
+        print(f"{name:<20}ahead: {ahead(rows, name)}")
     run = {name: len({row.instance for row in rows if row.set == name}) for name in names}
     print(
         "\nrun:", ", ".join(f"{count} of {_size(data, name)} {name}" for name, count in run.items())
@@ -251,7 +251,12 @@ def ahead(rows: list[Row], name: str) -> str:
     }
     mean = {peer: round(sum(own) / max(len(own), 1), 6) for peer, own in gaps.items()}
     most = [peer for peer in peers if proven[peer] == max(proven.values())]
-    least = [peer for peer in peers if mean[peer] == min(mean.values())]
+    solved_by = {peer: sum(r.gap is not None for r in mine if r.solver == peer) for peer in peers}
+    # where no instance was solved by all, who solved most
+    able = peers
+    if not any(gaps.values()):
+        able = [peer for peer in peers if solved_by[peer] == max(solved_by.values())]
+    least = [peer for peer in able if mean[peer] == min(mean[other] for other in able)]
     solved = f" ({len(nothing)} not solved by all)" if nothing else ""
     return f"proofs {', '.join(most)}; mean gap {', '.join(least)}{solved}"
 

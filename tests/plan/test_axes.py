@@ -294,5 +294,26 @@ def test_limits_that_are_none_are_refused(limit: str, said: str):
         plan_axes(_cell(), ["makespan", "stress"], limits=[limit])
 
 
+def test_limits_that_cannot_be_kept_are_a_minimal_set_beside_those_of_the_cell():
+    free = tandem.load("examples/thesis.yaml")
+    last = free.tasks["7"].model_copy(update={"deadline": 30})
+    cell = free.replace(tasks={**free.tasks, "7": last})
+    limits = ["stress=2", "peak:stress=9"]
+    with pytest.raises(InfeasibleError) as failed:
+        plan_axes(cell, ["makespan", "stress"], limits=limits)
+    told = failed.value.to_dict()["infeasible"]
+    assert [one["where"] for one in told["together"]] == [
+        ["limit", "stress=2"],
+        ["tasks", "7", "deadline"],
+    ]
+    assert told["minimal"] is True
+    assert [(one["makespan"], one["stress"]) for one in told["without"]] == [(23, 7), (34, 2)]
+    # each is needed, and the third is not
+    assert plan_axes(cell, ["makespan", "stress"], limits=limits[1:]).points
+    assert plan_axes(free, ["makespan", "stress"], limits=limits).points
+    with pytest.raises(InfeasibleError):
+        plan_axes(cell, ["makespan", "stress"], limits=limits[:1])
+
+
 def _cell() -> Cell:
     return cell_of(_assessed(Random(1)))

@@ -149,3 +149,8 @@ def test_a_command_that_is_over_sooner_leaves_the_code_to_the_next(tmp_path: Pat
             break
         time.sleep(0.5)
     assert said(kept) == "True"
+    # the same text with a newer date, as a checkout leaves it, is found again
+    for index in tmp_path.rglob("*.nbi"):
+        os.utime(index, (0, 0))
+    loads = "from tandem.plan import insertion_moves as m; print(m.is_kept()); m.warm()"
+    assert said(f"{loads}; print(m.is_kept())") == "False\nTrue"

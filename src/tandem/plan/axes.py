@@ -29,9 +29,12 @@ from ortools.sat.python import cp_model
 
 from tandem.cell.burdens import Measure, costs, named
 from tandem.cell.model import Cell, plain
-from tandem.errors import InfeasibleError, NothingFoundError, UsageError
+from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cpsat import SOLVER, Decisions, formulate
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
+from tandem.plan.infeasible import EACH_S, Conflict, Gain, core_of, lift
+from tandem.plan.infeasible import Limit as Liftable
+from tandem.plan.infeasible import limits as cell_limits
 from tandem.plan.instance import Instance, scale_of, up
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.question import Question
@@ -39,7 +42,7 @@ from tandem.plan.result import SCHEMA_VERSION
 from tandem.plan.rules import SPECS, build
 from tandem.plan.starts import Starts, appended, measures
 from tandem.schedule.exposure import SHIFT_S, Limit, limit_of, value
-from tandem.schedule.measures import makespan
+from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Schedule
 
 MAKESPAN = "makespan"
@@ -295,7 +298,8 @@ def plan_axes(
 
     Raises:
       UsageError: axes that are none.
-      InfeasibleError: it is proven that the cell has no schedule.
+      InfeasibleError: it is proven that no schedule keeps the cell's limits and these; its
+        `reasons` and `conflict` name a minimal set that cannot be kept together.
       NothingFoundError: none was found within the limit.
     """
     began = monotonic()
@@ -307,7 +311,7 @@ def plan_axes(
     asked = " and ".join(["the cell's own limits", *(limit.words for limit in kept)])
     if not search.found:
         if search.complete and not search.door.refused:
-            raise InfeasibleError(f"no schedule keeps {asked}; this is proven.")
+            raise _infeasible(f"no schedule keeps {asked}; this is proven.", cell, kept, cycles)
         raise NothingFoundError(
             f"no schedule that keeps {asked} was found within the time limit; it is open whether"
             " there is one."
@@ -327,6 +331,50 @@ def plan_axes(
         search.interrupted,
         tuple(counted.measure.name for counted in search.counted if not counted.exact),
     )
+
+
+def conflict_of_limits(
+    cell: Cell, kept: Sequence[Limit], cycles: float | None, *, seconds: float = 30.0
+) -> Conflict | None:
+    """Which of these limits and the cell's own cannot be kept together, and what lifting each would
+    give; None when lifting all would not help. Assumes that no schedule keeps them all.
+    """
+    until = monotonic() + seconds
+    given = {Liftable(f"the limit {x.words}", ("limit", x.words)): x for x in kept}
+    nothing = Question()
+
+    def without(lifted: Sequence[Liftable]) -> _Search:
+        variant, _ = lift(cell, nothing, [limit for limit in lifted if limit not in given])
+        left = [limit for one, limit in given.items() if one not in lifted]
+        ends = monotonic() + EACH_S
+        return _Search(variant, axes_named([MAKESPAN, "stress"], variant), left, cycles, ends, 0, 1)
+
+    def possible(lifted: Sequence[Liftable]) -> bool | None:
+        try:
+            return without(lifted).is_possible()
+        except CellError:
+            return None
+
+    def gain(limit: Liftable) -> Gain:
+        try:
+            best = without([limit]).quickest()
+        except CellError:
+            best = None
+        if best is None:
+            return Gain(limit, None, None)
+        return Gain(limit, makespan(best.schedule), stress(cell, best.schedule))
+
+    core = core_of([*given, *cell_limits(cell, nothing)], possible, until)
+    return Conflict(core, (), tuple(map(gain, core.items))) if core.items else None
+
+
+def _infeasible(
+    message: str, cell: Cell, kept: Sequence[Limit], cycles: float | None
+) -> InfeasibleError:
+    found = conflict_of_limits(cell, kept, cycles)
+    if found is None:
+        return InfeasibleError(message)
+    return InfeasibleError(message, found.sentences(), found.to_dict())
 
 
 class _Search:
@@ -378,6 +426,28 @@ class _Search:
                 return
             self.proven.add(point)
             least = ticks
+
+    def is_possible(self) -> bool | None:
+        """Whether there is a schedule; None when time is up. The first one is enough."""
+        if self.layout.impossible():
+            return False
+        self._by_rule()
+        if not self.found:
+            plan, _ = self._model(self.upper, 0)
+            status, solver = self._solve(plan)
+            if status == cp_model.INFEASIBLE:
+                return False
+            if _has_schedule(status):
+                self._take(plan, solver)
+        return True if self.found and not self.door.refused else None
+
+    def quickest(self) -> Admitted | None:
+        """The schedule of least makespan that is found in time, None when there is none."""
+        if self.layout.impossible():
+            return None
+        self._by_rule()
+        self._quickest(0)
+        return min(self.found.values(), key=lambda one: one.makespan, default=None)
 
     def _by_rule(self) -> None:
         """A first schedule, so that something is there however short the time."""

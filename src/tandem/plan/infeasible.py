@@ -48,7 +48,8 @@ class Limit:
 
     Attributes:
       words: what it says, to stand in a sentence.
-      where: `question` or the key of the cell that holds it, with the names below it.
+      where: `question`, `limit` (of the call), or the key of the cell that holds it, with the names
+        below it.
     """
 
     words: str
@@ -212,17 +213,31 @@ def conflict(cell: Cell, question: Question, *, seconds: float = 30.0) -> Confli
     all limits would not help. Assumes that no schedule keeps them all.
     """
     until = monotonic() + seconds
-    everything = list(limits(cell, question))
 
-    def possible(kept: Sequence[Limit]) -> bool | None:
-        lifted = [limit for limit in everything if limit not in kept]
-        return _possible(cell, question, lifted, until) if monotonic() < until else None
+    def possible(lifted: Sequence[Limit]) -> bool | None:
+        return _possible(cell, question, lifted, until)
 
-    core = minimal_core(everything, possible)
+    core = core_of(list(limits(cell, question)), possible, until)
     if not core.items:
         return None
     least = _least_stress_limits(cell, question, core.items, until)
     return Conflict(core, tuple(least), tuple(_gain(cell, question, x) for x in core.items))
+
+
+def core_of(
+    everything: Sequence[Limit],
+    possible: Callable[[Sequence[Limit]], bool | None],
+    until: float,
+) -> Core:
+    """The `minimal_core` of all these, asked until `monotonic()` seconds; `possible` is told what
+    is lifted, in place of what is kept.
+    """
+
+    def is_kept(kept: Sequence[Limit]) -> bool | None:
+        lifted = [limit for limit in everything if limit not in kept]
+        return possible(lifted) if monotonic() < until else None
+
+    return minimal_core(everything, is_kept)
 
 
 def infeasible(message: str, cell: Cell, question: Question) -> InfeasibleError:

@@ -30,8 +30,14 @@ WARMTH_OF_FEW, WARMTH_OF_MANY, FEW = 0.06, 0.03, 100
 """The loss accepted with probability 1/e, in mean ticks (and mean stress) of a task: up to `FEW`
 tasks, and from twice as many on.
 """
-MOST_OUT = 3
-"""So many tasks are taken out at once at most."""
+LEVELS: tuple[tuple[float, int], ...] = ((1, 3), (2, 3), (4, 3), (8, 3), (16, 3))
+"""How much warmer than that, and how many tasks are taken out at once at most: a search that finds
+nothing better goes on at the next level, and behind the last at the first, from the best plan.
+Cells of many operators with little choice, job shops, need the warm ones, most others the first.
+"""
+LEVEL_VISITS = 2_500_000
+"""Without an improvement for so many visits the next level has its turn."""
+MOST_OUT = max(out for _, out in LEVELS)
 
 
 def knows(instance: Instance) -> bool:
@@ -93,6 +99,7 @@ class Insertion:
         """What is sought from now on: the least `time * makespan + stress * stress` within
         limits, None for no limit.
         """
+        self.level = self.vain = 0
         spread = [
             max(step.stress for step in row) - min(step.stress for step in row)
             for row in self.layout.steps
@@ -105,7 +112,7 @@ class Insertion:
             self.moves.INFINITE if most_ticks is None else most_ticks,
             self.moves.INFINITE if most_units is None else most_units,
             max(1e-9, warmth * (time * mean_ticks + stress * sum(spread) / len(spread))),
-            MOST_OUT,
+            LEVELS[0][1],
         )
 
     def begin(self, starts: Starts) -> bool:
@@ -136,7 +143,25 @@ class Insertion:
 
     def go(self, visits: int) -> int:
         """Searches until so many tasks have been passed by; says how many."""
-        return int(self.moves.rounds(self.parts, self.walk, self.sought, visits))
+        factor, most_out = LEVELS[self.level]
+        sought = self.sought._replace(warmth=factor * self.sought.warmth, most_out=most_out)
+        before = self.value
+        done = int(self.moves.rounds(self.parts, self.walk, sought, visits))
+        self.vain = 0 if self.value < before else self.vain + done
+        if self.vain >= LEVEL_VISITS:
+            self.vain, self.level = 0, (self.level + 1) % len(LEVELS)
+            if self.level == 0:
+                self._go_back()
+        return done
+
+    def _go_back(self) -> None:
+        """Goes on from the best plan, if the search is warm enough to have left it."""
+        walk, now = self.walk, self.walk.now
+        source = self.moves.Plan(walk.best_order, walk.best_way, now.head, now.tail)
+        units = int(self.parts.stress[walk.best_way].sum())
+        self.moves.take(self.parts, walk, source, units, 0)
+        self.moves.recount(self.parts, walk)
+        walk.worth[0] = walk.worth[1]
 
     @property
     def value(self) -> int:

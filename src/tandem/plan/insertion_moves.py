@@ -18,7 +18,8 @@ This file imports Numba, so it is itself imported only when a cell is large enou
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -507,8 +508,22 @@ def is_kept() -> bool:
     if not can_be_kept():
         return False
     since = Path(__file__).stat().st_mtime
-    kept = Path(rounds.stats.cache_path).glob("insertion_moves.rounds-*.nbi")
-    return any(index.stat().st_mtime >= since for index in kept)
+    return any(index.stat().st_mtime >= since for index in _indices())
+
+
+def _indices() -> Iterator[Path]:
+    """The files that name what was kept of `rounds`."""
+    return Path(rounds.stats.cache_path).glob("insertion_moves.rounds-*.nbi")
+
+
+def _say_kept() -> None:
+    """What was kept of the very text of this file counts, though the file may be newer: a checkout
+    makes it so. Else every process would have it compiled again.
+    """
+    if can_be_kept() and rounds.stats.cache_hits and not is_kept():
+        for index in _indices():
+            with suppress(OSError):
+                index.touch()
 
 
 def warm() -> None:
@@ -532,3 +547,4 @@ def warm() -> None:
     take(parts, walk, walk.now, 0, 0)
     recount(parts, walk)
     rounds(parts, walk, Aim(1, 0, INFINITE, INFINITE, 1.0, 1), 1)
+    _say_kept()

@@ -11,7 +11,7 @@ from time import monotonic
 
 from tandem.plan import insertion
 from tandem.plan.improving import Improver, await_loading, inserts
-from tandem.plan.proving import CpSat, States
+from tandem.plan.proving import PROVED_AT_ONCE, CpSat, States
 from tandem.plan.race import Job, Race
 
 LARGE = 150
@@ -60,10 +60,11 @@ class Portfolio(Race):
         return [*improvers, self._relax_and_improve]
 
     def _prove_later(self, workers: int, seed: int) -> None:
-        """Proves when insertion has had its first turn: on few cores it would come late else, and
-        what it finds makes the proof shorter.
+        """Proves when insertion has had its first turn, where the cell is not small: on few cores
+        it would come late else, and what it finds makes the proof shorter.
         """
-        if inserts(self) and self.effort.workers <= FEW_CORES:
+        is_large = len(self.instance.tasks) > PROVED_AT_ONCE
+        if is_large and inserts(self) and self.effort.workers <= FEW_CORES:
             await_loading(self)
             until = monotonic() + FIRST_TURN_S
             while not self.inserted and monotonic() < until and not self.over:

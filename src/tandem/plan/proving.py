@@ -32,6 +32,13 @@ ROWS_SHARE = 0.25
 """Their share of the time."""
 PATIENT_S = 1.0
 """Seconds for which a prover goes on when it has been overtaken; twice that the next time."""
+PROVED_AT_ONCE = 60
+"""Up to so many tasks the proof waits for nobody and is not soon begun again: a plain model proves
+many of these cells in two seconds of a core from whatever schedule it has, and what it would prove
+alone is not to be lost.
+"""
+PATIENT_AT_ONCE_S = 10.0
+"""The same seconds for these."""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 REFUTABLE = 80
@@ -105,7 +112,8 @@ class CpSat:
         """One of the models, begun again whenever the incumbent has moved away from under it."""
         # where ticks are fine one model does it all
         rules = self.race.rules if below or self.race.is_fine else self._plain
-        patience = PATIENT_S
+        is_at_once = len(self.instance.tasks) <= PROVED_AT_ONCE
+        patience = PATIENT_AT_ONCE_S if is_at_once else PATIENT_S
         while not self.race.over:
             with self.race.lock:
                 incumbent, cut = self.race.best, self.race.value
@@ -318,7 +326,9 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
 
     def on_solution_callback(self) -> None:
         starts = self.plan.read(self.value)
-        self.mine = self.race.proposed(starts, round(self.objective_value))
+        value = self.race.proposed(starts, round(self.objective_value))
+        # what it was given counts, too: its own first schedule may be a worse one
+        self.mine = min((v for v in (self.mine, value) if v is not None), default=None)
         self._look()
 
     def on_bound(self, bound: float) -> None:
