@@ -18,7 +18,15 @@ from tandem.cell.model import Cell
 from tandem.files.generators import layered
 from tandem.files.validate import cell_of
 from tandem.learn.graph.candidates import Making, features
-from tandem.learn.graph.labels import cost, drawn_exchange, label, layout_of, read, searched, written
+from tandem.learn.graph.labels import (
+    cost,
+    drawn_exchange,
+    label,
+    layout_of,
+    read,
+    searched,
+    written,
+)
 from tandem.learn.graph.making import Maker, retold
 from tandem.learn.graph.network import fresh, lasting, nodes, scores
 from tandem.learn.graph.outlook import Outlook
@@ -190,7 +198,8 @@ def test_a_schedule_is_retold_to_its_end(number: int) -> None:
     assert len(told) == len(seen.tasks)
     making = told[-1]  # the same one all along
     ends = [
-        start + seen.layout.instance.ways[task][way].ticks for task, (way, start) in enumerate(starts)
+        start + seen.layout.instance.ways[task][way].ticks
+        for task, (way, start) in enumerate(starts)
     ]
     assert making.left == 0
     assert making.state.makespan <= max(ends)
@@ -323,7 +332,14 @@ def test_a_short_training_learns_and_goes_on_to_the_bit(tmp_path: Path) -> None:
 def test_the_page_tells_the_numbers_that_are_kept() -> None:
     kept = json.loads(Path("benchmarks/results/graph_policy.json").read_text())
     page = Path("docs/one-policy.md").read_text()
-    for row in kept["rows"]:
-        told = [f"{row[name]['gap']:g} (" for name in ("greedy", "best of 64", "best-of-n")]
-        assert f"| {row['tasks']} | {told[0]}" in page
-        assert all(words in page for words in told)
+    for key, name in (("cells", "tasks"), ("public", "set"), ("boards", "set")):
+        for row in kept[key]["rows"]:
+            most = f"best of {kept[key]['samples']}"
+            told = [f"{row[of]['gap']:g}" for of in ("greedy", most, "best-of-n")]
+            (line,) = (line for line in page.splitlines() if line.startswith(f"| {row[name]} |"))
+            assert all(f" {number} " in line for number in told), line
+    desk = kept["boards"]["rows"][0]["desk"]
+    assert f"the desk {desk['greedy']:g} s and {desk['best of 64']:g} s" in page
+    front = kept["fronts"]
+    assert f"all points of {front['all points']:g} %" in page
+    assert f"hypervolume {front['hypervolume']:g} %" in page

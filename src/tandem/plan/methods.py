@@ -193,7 +193,6 @@ def plan(
     """
     _check(cell, minimize if question is None else question.minimize, method)
     check_effort(time_limit, work, workers)
-    _check_samples(samples, method)
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
     began = monotonic()
@@ -205,8 +204,7 @@ def plan(
         if work is None
         else {"time_limit": None, "work": work}
     )
-    if samples is not None:
-        limit["samples"] = samples
+    limit |= _drawn(samples, method)
 
     def solve(asked: Cell, question: Question, seconds: float | None) -> Front:
         return METHODS[method](
@@ -267,10 +265,12 @@ def _check(cell: Cell, minimize: str, method: str) -> None:
         )
 
 
-def _check_samples(samples: int | None, method: str) -> None:
-    """Refuses a number of schedules that is none, or that the method has no use for."""
+def _drawn(samples: int | None, method: str) -> dict[str, int]:
+    """How many schedules the method is told to draw, as an option where it is told. Raises
+    UsageError for a number that is none, or that the method has no use for.
+    """
     if samples is None:
-        return
+        return {}
     if samples < 1:
         raise UsageError(f"samples {samples}: must be 1 or more.")
     if not METHODS[method].draws:
@@ -279,6 +279,7 @@ def _check_samples(samples: int | None, method: str) -> None:
             f"samples {samples}: method {method!r} draws no schedules whose number could be told."
             f" Those that do: {able}."
         )
+    return {"samples": samples}
 
 
 def check_effort(time_limit: float | None, work: float | None, workers: int | None) -> None:

@@ -75,7 +75,9 @@ class Making:
         return cls(outlook, state, ready, 0, outlook.owned.sum(0), cheap, easy, len(outlook.tasks))
 
     def choices(self) -> Choices:
-        """What may be placed next; empty where a limit, a team or a machine's part leaves nothing."""
+        """What may be placed next; nothing where a limit, a team or a machine's part stands in the
+        way of all.
+        """
         rows, starts, first, group = list[int](), list[int](), list[int](), list[int]()
         state, clock, table, count = self.state, self.clock, self.outlook.row_of, 0
         for task in self.ready:

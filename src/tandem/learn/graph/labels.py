@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.graph.candidates import FEATURES, Choices, Making, features
+from tandem.learn.graph.candidates import Choices, Making, features
 from tandem.learn.graph.making import Maker, retold
 from tandem.learn.graph.network import Weights
 from tandem.learn.graph.optimum import Search
@@ -87,10 +87,10 @@ def drawn_exchange(number: int, layout: Layout) -> float:
 def label(
     weights: Weights | None, number: int, most_tasks: int, exact: int, passed: int
 ) -> tuple[Label, Outlook] | None:
-    """Decisions of the training cell of this number, and the cell as the network sees it: those that the policy comes to, or without
-    `weights` those near optimal ones, where at most `exact` tasks are left; and in larger cells
-    those of the schedule that a local search finds which passes so many tasks by. None where no
-    decision has two choices.
+    """Decisions of the training cell of this number, and the cell as the network sees it: those
+    that the policy comes to, or without `weights` those near optimal ones, where at most `exact`
+    tasks are left; and in larger cells those of the schedule that a local search finds which passes
+    so many tasks by. None where no decision has two choices.
     """
     layout = layout_of(training_cell(number, most_tasks))
     exchange = drawn_exchange(number, layout)
@@ -163,9 +163,7 @@ def shown(outlook: Outlook, starts: Sequence[tuple[int, int]]) -> Iterator[Decid
         yield features(making, choices), choices.rows, losses
 
 
-def searched(
-    layout: Layout, exchange: float, passed: int, seed: int
-) -> Sequence[tuple[int, int]]:
+def searched(layout: Layout, exchange: float, passed: int, seed: int) -> Sequence[tuple[int, int]]:
     """The schedule that search by insertion finds, from that of a rule. Assumes a cell without
     limits.
     """
@@ -216,5 +214,3 @@ def read(arrays: Arrays) -> list[Label]:
         )
         decision, choice = decision + int(count), end
     return found
-
-

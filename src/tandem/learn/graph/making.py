@@ -91,10 +91,7 @@ def retold(
     """
     making = Making.of(outlook)
     order = sorted(range(len(starts)), key=lambda task: starts[task][1])
-    rows = [
-        outlook.row_of[task].get(way, -1)
-        for task, (way, _) in enumerate(starts)
-    ]
+    rows = [outlook.row_of[task].get(way, -1) for task, (way, _) in enumerate(starts)]
     for due in order:
         choices = making.choices()
         at = {int(row): place for place, row in enumerate(choices.rows)}

@@ -12,7 +12,7 @@ This file imports Numba, so it is itself imported only where the policy is train
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -27,6 +27,11 @@ MOST_LEFT = 60
 """Tasks that may be left: a set of them is kept as bits."""
 SLOTS, WIDE = 1 << 12, 4
 """Nodes that are remembered: so many sets of tasks, so many of each."""
+EXACT = 1e-9
+"""Ticks that make no difference."""
+
+_entry: Any = njit(cache=True)
+_inner: Any = njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 class Bounds(NamedTuple):
@@ -75,8 +80,9 @@ class Search:
         instance = outlook.layout.instance
         return knows(instance) and not instance.has_limits and max(instance.team, default=-1) < 0
 
-    def losses(self, making: Making, rows: np.ndarray, starts: np.ndarray, most: float,
-               nodes: int) -> np.ndarray | None:
+    def losses(
+        self, making: Making, rows: np.ndarray, starts: np.ndarray, most: float, nodes: int
+    ) -> np.ndarray | None:
         """`[K]` ticks that each choice loses against the best one; `inf` where it is more than
         `most`. None when that takes more than `nodes` nodes in all.
         """
@@ -118,194 +124,262 @@ class Search:
         )
 
 
-@njit(cache=True)
+class _Todo(NamedTuple):
+    """Which tasks are left: `order` their numbers, `place` of each task among them; `gone` those
+    that are placed by now; `task_of` each way.
+    """
+
+    order: np.ndarray
+    place: np.ndarray
+    gone: np.ndarray
+    task_of: np.ndarray
+
+
+class _Stack(NamedTuple):
+    """The nodes from the first to the one in hand, a row each.
+
+    Attributes:
+      free, ready, waiting, clock: as in `Start`.
+      work, easy: what the tasks not placed cost at least by prices, and in stress. paid: stress of
+        those that are placed. Ticks.
+      mask: bits of the tasks placed.
+      kid, kid_start, kid_bound: what may be placed next, by bound; `kids` so many, `at` so many of
+        them have been looked at.
+    """
+
+    free: np.ndarray
+    ready: np.ndarray
+    waiting: np.ndarray
+    clock: np.ndarray
+    work: np.ndarray
+    easy: np.ndarray
+    paid: np.ndarray
+    mask: np.ndarray
+    kid: np.ndarray
+    kid_start: np.ndarray
+    kid_bound: np.ndarray
+    kids: np.ndarray
+    at: np.ndarray
+
+
+class _Memory(NamedTuple):
+    """Nodes that were looked at: of each slot `WIDE`, the oldest leaves first."""
+
+    mask: np.ndarray
+    numbers: np.ndarray
+    paid: np.ndarray
+    turn: np.ndarray
+
+
+@_entry
 def _best(parts, bounds, begin, first, first_start, most, nodes):  # type: ignore[no-untyped-def]
     """Ticks that the rest of the makespan and the stress come to at best when way `first` starts at
     `first_start`, `most` or more where that is no less; and how many nodes were looked at.
     """
-    tasks, resources, ways = len(begin.ready), len(begin.free), len(parts.ticks)
-    task_of = np.empty(ways, np.int64)
-    for task in range(tasks):
-        for way in range(parts.way_of[task], parts.way_of[task + 1]):
-            task_of[way] = task
-    place = np.full(tasks, -1, np.int64)
-    todo = np.empty(tasks, np.int64)
-    count = 0
-    work = easy = 0.0
-    for task in range(tasks):
-        if begin.left[task]:
-            place[task] = count
-            todo[count] = task
-            count += 1
-            work += bounds.cheapest[task]
-            easy += bounds.easiest[task]
-    prices = bounds.price.sum()
-    depth = count + 1
-    free = np.zeros((depth, resources), np.int64)
-    ready = np.zeros((depth, tasks), np.int64)
-    waiting = np.zeros((depth, tasks), np.int64)
-    clock = np.zeros(depth, np.int64)
-    work_left, easy_left, paid = np.zeros(depth), np.zeros(depth), np.zeros(depth)
-    mask = np.zeros(depth, np.int64)
-    kid = np.zeros((depth, ways), np.int64)
-    kid_start = np.zeros((depth, ways), np.int64)
-    kid_bound = np.zeros((depth, ways))
-    kids, at = np.zeros(depth, np.int64), np.zeros(depth, np.int64)
-    gone = ~begin.left
-    # what is remembered
-    wide = 1 + resources + count
-    seen_mask = np.full((SLOTS, WIDE), -1, np.int64)
-    seen = np.empty((SLOTS, WIDE, wide), np.int64)
-    seen_paid = np.empty((SLOTS, WIDE))
-    seen_next = np.zeros(SLOTS, np.int64)
-    vector = np.zeros(wide, np.int64)
-
-    free[0], ready[0], waiting[0], clock[0] = begin.free, begin.ready, begin.waiting, begin.clock
-    work_left[0], easy_left[0] = work, easy
-    kid[0, 0], kid_start[0, 0], kids[0], at[0] = first, first_start, 1, 0
-    kid_bound[0, 0] = -1.0
+    todo = _todo(parts, begin)
+    count, resources = len(todo.order), len(begin.free)
+    stack = _stack(bounds, begin, todo, len(parts.ticks))
+    stack.kid[0, 0], stack.kid_start[0, 0], stack.kids[0] = first, first_start, 1
+    stack.kid_bound[0, 0] = -1.0
+    memory = _memory(1 + resources + count)
     level, used, best = 0, 0, most
     while level >= 0:
-        if at[level] == kids[level]:
-            # back to where this node came from
-            level -= 1
-            if level >= 0:
-                gone[task_of[kid[level, at[level] - 1]]] = False
+        at = stack.at[level]
+        # sorted by bound: what comes behind is no better
+        if at == stack.kids[level] or stack.kid_bound[level, at] >= best - EXACT:
+            level = _back(todo, stack, level)
             continue
-        way, start = kid[level, at[level]], kid_start[level, at[level]]
-        bound = kid_bound[level, at[level]]
-        at[level] += 1
-        if bound >= best - 1e-9:
-            at[level] = kids[level]  # sorted: the others are no better
-            if level == 0:
-                break
-            # the last taken was not entered
-            level -= 1
-            gone[task_of[kid[level, at[level] - 1]]] = False
-            continue
+        stack.at[level] += 1
         used += 1
         if used > nodes:
             return best, used
-        task, below = task_of[way], level + 1
-        end = start + parts.ticks[way]
-        for r in range(resources):
-            free[below, r] = free[level, r]
-        for index in range(parts.who_of[way], parts.who_of[way + 1]):
-            free[below, parts.who[index]] = end
-        for index in range(count):
-            other = todo[index]
-            ready[below, other] = ready[level, other]
-            waiting[below, other] = waiting[level, other]
-        for index in range(parts.after_of[task], parts.after_of[task + 1]):
-            after = parts.afters[index]
-            moment = end + parts.wait_after[index]
-            if moment > ready[below, after]:
-                ready[below, after] = moment
-            waiting[below, after] -= 1
-        clock[below] = start
-        work_left[below] = work_left[level] - bounds.cheapest[task]
-        easy_left[below] = easy_left[level] - bounds.easiest[task]
-        paid[below] = paid[level] + bounds.stress[way]
-        mask[below] = mask[level] | (1 << place[task])
-        gone[task] = True
+        task = _place(parts, bounds, todo, stack, level)
+        below = level + 1
         if below == count:
-            last = 0
-            for r in range(resources):
-                last = max(last, free[below, r])
-            value = last + paid[below]
-            if value < best - 1e-9:
+            value = stack.free[below].max() + stack.paid[below]
+            if value < best - EXACT:
                 best = value
-            gone[task] = False
+        elif not _was_seen(todo, stack, memory, below) and _branch(
+            parts, bounds, todo, stack, below, best
+        ):
+            level = below
             continue
-        # looked at before, and no later in any number?
-        vector[0] = start
-        for r in range(resources):
-            vector[1 + r] = max(free[below, r], start)
-        for index in range(count):
-            other = todo[index]
-            vector[1 + resources + index] = 0 if gone[other] else max(ready[below, other], start)
-        slot = (mask[below] * 0x9E3779B97F4A7C1 >> 20) & (SLOTS - 1)
-        beaten = False
-        for one in range(WIDE):
-            if seen_mask[slot, one] == mask[below] and seen_paid[slot, one] <= paid[below] + 1e-9:
-                no_later = True
-                for index in range(wide):
-                    if seen[slot, one, index] > vector[index]:
-                        no_later = False
-                        break
-                if no_later:
-                    beaten = True
-                    break
-        if beaten:
-            gone[task] = False
-            continue
-        one = seen_next[slot]
-        seen_next[slot] = (one + 1) % WIDE
-        seen_mask[slot, one] = mask[below]
-        seen_paid[slot, one] = paid[below]
-        for index in range(wide):
-            seen[slot, one, index] = vector[index]
-        # what may come next
-        many, soonest = 0, 1 << 60
-        floor = 0.0
-        for r in range(resources):
-            floor = max(floor, free[below, r])
-        for index in range(count):
-            other = todo[index]
-            if gone[other] or waiting[below, other] > 0:
-                continue
-            chain = 1e18
-            for option in range(parts.way_of[other], parts.way_of[other + 1]):
-                moment = max(ready[below, other], start)
-                for who in range(parts.who_of[option], parts.who_of[option + 1]):
-                    moment = max(moment, free[below, parts.who[who]])
-                ends = moment + parts.ticks[option]
-                kid[below, many], kid_start[below, many] = option, moment
-                many += 1
-                chain = min(chain, ends + bounds.chain[other])
-                if bounds.stress[option] <= bounds.easiest[other] + 1e-9 and ends < soonest:
-                    soonest = ends
-            floor = max(floor, chain)
-        if floor + paid[below] + easy_left[below] >= best - 1e-9:
-            gone[task] = False
-            continue
-        kept = 0
-        for number in range(many):
-            option, moment = kid[below, number], kid_start[below, number]
-            if moment >= soonest:
-                continue
-            other = task_of[option]
-            ends = moment + parts.ticks[option]
-            # work that is left takes operators' time at its price, none of it before they are free
-            total = work_left[below] - bounds.cheapest[other] + bounds.stress[option]
-            for r in range(resources):
-                total += bounds.price[r] * max(free[below, r], moment)
-            for who in range(parts.who_of[option], parts.who_of[option + 1]):
-                r = parts.who[who]
-                total += bounds.price[r] * (ends - max(free[below, r], moment))
-            value = max(
-                paid[below] + total / prices,
-                paid[below]
-                + bounds.stress[option]
-                + easy_left[below]
-                - bounds.easiest[other]
-                + max(floor, ends + bounds.chain[other]),
-            )
-            # sorted by bound, then by end
-            spot = kept
-            while spot > 0 and (
-                kid_bound[below, spot - 1] > value + 1e-9
-                or (
-                    kid_bound[below, spot - 1] > value - 1e-9
-                    and kid_start[below, spot - 1] + parts.ticks[kid[below, spot - 1]] > ends
-                )
-            ):
-                kid[below, spot] = kid[below, spot - 1]
-                kid_start[below, spot] = kid_start[below, spot - 1]
-                kid_bound[below, spot] = kid_bound[below, spot - 1]
-                spot -= 1
-            kid[below, spot], kid_start[below, spot], kid_bound[below, spot] = option, moment, value
-            kept += 1
-        kids[below], at[below] = kept, 0
-        level = below
+        todo.gone[task] = False
     return best, used
+
+
+@_inner
+def _todo(parts, begin):  # type: ignore[no-untyped-def]
+    tasks = len(begin.ready)
+    task_of = np.empty(len(parts.ticks), np.int64)
+    place, order, count = np.full(tasks, -1, np.int64), np.empty(tasks, np.int64), 0
+    for task in range(tasks):
+        task_of[parts.way_of[task] : parts.way_of[task + 1]] = task
+        if begin.left[task]:
+            place[task] = count
+            order[count] = task
+            count += 1
+    return _Todo(order[:count], place, ~begin.left, task_of)
+
+
+@_inner
+def _stack(bounds, begin, todo, ways):  # type: ignore[no-untyped-def]
+    depth = len(todo.order) + 1
+    stack = _Stack(
+        np.zeros((depth, len(begin.free)), np.int64),
+        np.zeros((depth, len(begin.ready)), np.int64),
+        np.zeros((depth, len(begin.ready)), np.int64),
+        np.zeros(depth, np.int64),
+        np.zeros(depth),
+        np.zeros(depth),
+        np.zeros(depth),
+        np.zeros(depth, np.int64),
+        np.zeros((depth, ways), np.int64),
+        np.zeros((depth, ways), np.int64),
+        np.zeros((depth, ways)),
+        np.zeros(depth, np.int64),
+        np.zeros(depth, np.int64),
+    )
+    stack.free[0], stack.ready[0] = begin.free, begin.ready
+    stack.waiting[0], stack.clock[0] = begin.waiting, begin.clock
+    for task in todo.order:
+        stack.work[0] += bounds.cheapest[task]
+        stack.easy[0] += bounds.easiest[task]
+    return stack
+
+
+@_inner
+def _memory(numbers):  # type: ignore[no-untyped-def]
+    return _Memory(
+        np.full((SLOTS, WIDE), -1, np.int64),
+        np.empty((SLOTS, WIDE, numbers), np.int64),
+        np.empty((SLOTS, WIDE)),
+        np.zeros(SLOTS, np.int64),
+    )
+
+
+@_inner
+def _back(todo, stack, level):  # type: ignore[no-untyped-def]
+    """To the node that this one came from; its task is not placed any more."""
+    level -= 1
+    if level >= 0:
+        todo.gone[todo.task_of[stack.kid[level, stack.at[level] - 1]]] = False
+    return level
+
+
+@_inner
+def _place(parts, bounds, todo, stack, level):  # type: ignore[no-untyped-def]
+    """Places what the node looks at, into the row below; gives its task."""
+    at, below = stack.at[level] - 1, level + 1
+    way, start = stack.kid[level, at], stack.kid_start[level, at]
+    task, end = todo.task_of[way], start + parts.ticks[way]
+    stack.free[below] = stack.free[level]
+    for index in range(parts.who_of[way], parts.who_of[way + 1]):
+        stack.free[below, parts.who[index]] = end
+    for other in todo.order:
+        stack.ready[below, other] = stack.ready[level, other]
+        stack.waiting[below, other] = stack.waiting[level, other]
+    for index in range(parts.after_of[task], parts.after_of[task + 1]):
+        after = parts.afters[index]
+        moment = end + parts.wait_after[index]
+        stack.ready[below, after] = max(stack.ready[below, after], moment)
+        stack.waiting[below, after] -= 1
+    stack.clock[below] = start
+    stack.work[below] = stack.work[level] - bounds.cheapest[task]
+    stack.easy[below] = stack.easy[level] - bounds.easiest[task]
+    stack.paid[below] = stack.paid[level] + bounds.stress[way]
+    stack.mask[below] = stack.mask[level] | (1 << todo.place[task])
+    todo.gone[task] = True
+    return task
+
+
+@_inner
+def _was_seen(todo, stack, memory, level):  # type: ignore[no-untyped-def]
+    """Whether a node with the same tasks was no later in any number; else this one is kept."""
+    resources, clock, mask = stack.free.shape[1], stack.clock[level], stack.mask[level]
+    vector = np.empty(1 + resources + len(todo.order), np.int64)
+    vector[0] = clock
+    for r in range(resources):
+        vector[1 + r] = max(stack.free[level, r], clock)
+    for index, task in enumerate(todo.order):
+        ready = 0 if todo.gone[task] else max(stack.ready[level, task], clock)
+        vector[1 + resources + index] = ready
+    slot = (mask * 0x9E3779B97F4A7C1 >> 20) & (SLOTS - 1)
+    for one in range(WIDE):
+        same = memory.mask[slot, one] == mask
+        cheaper = memory.paid[slot, one] <= stack.paid[level] + EXACT
+        if same and cheaper and (memory.numbers[slot, one] <= vector).all():
+            return True
+    one = memory.turn[slot]
+    memory.turn[slot] = (one + 1) % WIDE
+    memory.mask[slot, one], memory.paid[slot, one] = mask, stack.paid[level]
+    memory.numbers[slot, one] = vector
+    return False
+
+
+@_inner
+def _branch(parts, bounds, todo, stack, level, best):  # type: ignore[no-untyped-def]
+    """What may come next, by bound; false when nothing that is better than `best` can."""
+    many, soonest, floor = 0, 1 << 60, float(stack.free[level].max())
+    for task in todo.order:
+        if todo.gone[task] or stack.waiting[level, task] > 0:
+            continue
+        chain = 1e18
+        for way in range(parts.way_of[task], parts.way_of[task + 1]):
+            moment = _earliest(parts, stack, level, task, way)
+            end = moment + parts.ticks[way]
+            stack.kid[level, many], stack.kid_start[level, many] = way, moment
+            many += 1
+            chain = min(chain, end + bounds.chain[task])
+            if bounds.stress[way] <= bounds.easiest[task] + EXACT:
+                soonest = min(soonest, end)
+        floor = max(floor, chain)
+    if floor + stack.paid[level] + stack.easy[level] >= best - EXACT:
+        return False
+    kept = 0
+    for number in range(many):
+        way, moment = stack.kid[level, number], stack.kid_start[level, number]
+        if moment < soonest:
+            bound = _bound(parts, bounds, todo, stack, level, way, moment, floor)
+            _sort_in(parts, stack, level, kept, way, moment, bound)
+            kept += 1
+    stack.kids[level], stack.at[level] = kept, 0
+    return True
+
+
+@_inner
+def _earliest(parts, stack, level, task, way):  # type: ignore[no-untyped-def]
+    moment = max(stack.ready[level, task], stack.clock[level])
+    for index in range(parts.who_of[way], parts.who_of[way + 1]):
+        moment = max(moment, stack.free[level, parts.who[index]])
+    return moment
+
+
+@_inner
+def _bound(parts, bounds, todo, stack, level, way, moment, floor):  # type: ignore[no-untyped-def]
+    """Ticks that no end is below when the way starts at this moment."""
+    task, end, free = todo.task_of[way], moment + parts.ticks[way], stack.free[level]
+    # work that is left takes operators' time at its price, none of it before they are free
+    work = stack.work[level] - bounds.cheapest[task] + bounds.stress[way]
+    for r in range(len(free)):
+        work += bounds.price[r] * max(free[r], moment)
+    for index in range(parts.who_of[way], parts.who_of[way + 1]):
+        r = parts.who[index]
+        work += bounds.price[r] * (end - max(free[r], moment))
+    stress = bounds.stress[way] + stack.easy[level] - bounds.easiest[task]
+    return stack.paid[level] + max(work, stress + max(floor, end + bounds.chain[task]))
+
+
+@_inner
+def _sort_in(parts, stack, level, kept, way, moment, bound):  # type: ignore[no-untyped-def]
+    """Among the first `kept`, by bound and then by end."""
+    kid, start, bounds = stack.kid[level], stack.kid_start[level], stack.kid_bound[level]
+    end, spot = moment + parts.ticks[way], kept
+    while spot > 0:
+        above = bounds[spot - 1] - bound
+        later = start[spot - 1] + parts.ticks[kid[spot - 1]] > end
+        if not (above > EXACT or (above > -EXACT and later)):
+            break
+        kid[spot], start[spot], bounds[spot] = kid[spot - 1], start[spot - 1], bounds[spot - 1]
+        spot -= 1
+    kid[spot], start[spot], bounds[spot] = way, moment, bound

@@ -55,9 +55,7 @@ class Steps:
     people: Array
 
     @classmethod
-    def of(
-        cls, layout: Layout, exchange: float, scale: float, human: Array
-    ) -> tuple[Steps, Array]:
+    def of(cls, layout: Layout, exchange: float, scale: float, human: Array) -> tuple[Steps, Array]:
         """The layout's steps, and the price of each operator's time. `human`: `[O]`."""
         flat = [(task, step) for task, row in enumerate(layout.steps) for step in row]
         sizes = [len(row) for row in layout.steps]
@@ -78,7 +76,9 @@ class Steps:
         chain = np.array(layout.behind, float)[task]
         # of steps at the same price each counts
         suited = (over <= dear * 1e-6)[:, None] * who * ticks[:, None]
-        suits = np.add.reduceat(suited, first) / np.add.reduceat(over <= dear * 1e-6, first)[:, None]
+        suits = (
+            np.add.reduceat(suited, first) / np.add.reduceat(over <= dear * 1e-6, first)[:, None]
+        )
         able = np.logical_or.reduceat(who > 0, first)
         alone = able & (able.sum(1, keepdims=True) == 1)
         owned = alone * np.array(layout.quickest, float)[:, None]
@@ -109,7 +109,8 @@ class Steps:
             easiest,
             dear,
             _whole(fixed),
-            np.stack([ticks, chain, stress - easiest, stress - cheapest[task], ticks + chain]) / scale,
+            np.stack([ticks, chain, stress - easiest, stress - cheapest[task], ticks + chain])
+            / scale,
             np.stack([who, owned[task] / scale, suits[task] / scale, who / size[:, None]]),
         ), price
 
@@ -126,8 +127,8 @@ class Outlook:
       before: `[N, N]`, 1 where the row's task waits for the column's.
       steps: what can be said of each step.
       scale: ticks, the mean of the tasks' quickest times: what times are divided by.
-      price: `[O]` of an operator's time, sums up to 1; `cheapest`: `[N]` ticks, what each task costs
-        at least at these prices, stress included. See `priced`.
+      price: `[O]` of an operator's time, sums up to 1; `cheapest`: `[N]` ticks, what each task
+        costs at least at these prices, stress included. See `priced`.
     """
 
     layout: Layout
@@ -247,7 +248,8 @@ def priced(work: Array, stress: Array, first: Any) -> tuple[Array, Array]:
     which whoever has more work than the mean becomes dearer.
 
     Args:
-      work: `[S, O]` ticks. stress: `[S]` ticks that it is worth. first: `[N]` first step of each task.
+      work: `[S, O]` ticks. stress: `[S]` ticks that it is worth. first: `[N]` first step of each
+        task.
     """
     operators = work.shape[1]
     price = np.full(operators, 1 / operators)

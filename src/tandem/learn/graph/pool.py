@@ -1,5 +1,5 @@
-"""Labels as arrays, and batches of them: cells padded to a common size, the choices of all decisions
-behind each other. There are few shapes, for each one is compiled.
+"""Labels as arrays, and batches of them: cells padded to a common size, the choices of all
+decisions behind each other. There are few shapes, for each one is compiled.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Seen:
     def of(cls, label: Label, outlook: Outlook) -> Seen:
         """The label with the relations of its cell."""
         steps = outlook.steps
-        tasks, operators = outlook.pairs.shape[:2]
+        tasks = len(outlook.tasks)
         fit = [size for size in SIZES if tasks <= size[0] and len(steps.task) <= size[1]]
         size = SIZES.index(fit[0])
         lengths = {

@@ -1,6 +1,6 @@
-"""Training the policy for any cell by imitation: first of exact decisions in small cells, then, round
-by round, of what is exactly or nearly best in the states that the policy itself comes to, in larger
-cells too (Ross, Gordon and Bagnell 2011, "A Reduction of Imitation Learning and Structured
+"""Training the policy for any cell by imitation: first of exact decisions in small cells, then,
+round by round, of what is exactly or nearly best in the states that the policy itself comes to, in
+larger cells too (Ross, Gordon and Bagnell 2011, "A Reduction of Imitation Learning and Structured
 Prediction to No-Regret Online Learning"). The targets are all choices, each by how much it loses.
 
 A run is kept in a folder after each round and goes on there, to the bit: every cell and every draw
