@@ -26,6 +26,7 @@ from tandem.plan.insertion import Insertion
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule
 from tandem.plan.rules import SPECS, SWEEP, build, exchange_of
+from tandem.plan.starts import Starts
 
 WITHOUT_STRESS = 0.4
 """The share of cells in which time alone counts."""
@@ -123,14 +124,13 @@ def visited(
     search, making = Search(outlook), Making.of(outlook)
     while making.left:
         choices = making.choices()
-        losses = seen = None
-        if len(choices.rows) > 1:
-            seen = features(making, choices)
-            if making.left <= exact:
-                most = MOST_LOSS * outlook.scale
-                losses = search.losses(making, choices.rows, choices.starts, most, NODES)
+        losses = None
+        if len(choices.rows) > 1 and making.left <= exact:
+            most = MOST_LOSS * outlook.scale
+            losses = search.losses(making, choices.rows, choices.starts, most, NODES)
         if losses is not None:
-            yield seen, choices.rows, np.minimum(losses / outlook.scale, MOST_LOSS)
+            told = np.minimum(losses / outlook.scale, MOST_LOSS)
+            yield features(making, choices), choices.rows, told
         at = _taken(making, choices, losses, maker, rng)
         making.put(int(choices.rows[at]), int(choices.starts[at]))
 
@@ -150,7 +150,7 @@ def _taken(
     if maker is None:
         # too many tasks are left to know better: what ends first
         return int((choices.starts + making.outlook.steps.ticks[choices.rows]).argmin())
-    return maker.chosen(making, choices, rng)
+    return maker.chosen(making, choices, rng, temperature=1.0)
 
 
 def shown(outlook: Outlook, starts: Sequence[tuple[int, int]]) -> Iterator[Decided]:
@@ -163,7 +163,7 @@ def shown(outlook: Outlook, starts: Sequence[tuple[int, int]]) -> Iterator[Decid
         yield features(making, choices), choices.rows, losses
 
 
-def searched(layout: Layout, exchange: float, passed: int, seed: int) -> Sequence[tuple[int, int]]:
+def searched(layout: Layout, exchange: float, passed: int, seed: int) -> Starts:
     """The schedule that search by insertion finds, from that of a rule. Assumes a cell without
     limits.
     """
@@ -172,9 +172,10 @@ def searched(layout: Layout, exchange: float, passed: int, seed: int) -> Sequenc
     assert state is not None
     search = Insertion(layout, insertion_moves, random)
     search.aim(FINE, round(FINE * exchange), None, None)
-    search.begin(state.starts())
+    begin = tuple(state.starts())
+    search.begin(begin)
     search.go(passed)
-    return search.best() or state.starts()
+    return search.best() or begin
 
 
 FINE = 1000

@@ -12,7 +12,7 @@ from tandem.learn.graph.network import Weights, lasting, nodes, scores
 from tandem.learn.graph.outlook import Array, Outlook
 from tandem.plan.list_scheduling import PartialSchedule
 
-TEMPERATURE = 1.0
+TEMPERATURE = 0.5
 """What logits are divided by before a choice is drawn."""
 
 

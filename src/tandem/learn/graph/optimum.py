@@ -31,7 +31,9 @@ EXACT = 1e-9
 """Ticks that make no difference."""
 
 _entry: Any = njit(cache=True)
-_inner: Any = njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_from_compiled: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_inner: Any = njit(cache=True, **_from_compiled)
+"""What is compiled: called from here, and from compiled code alone."""
 
 
 class Bounds(NamedTuple):

@@ -51,8 +51,8 @@ class Steps:
     easiest: Array
     dear: Array
     fixed: Array
-    table: Array
-    people: Array
+    table: np.ndarray[Any, Any]
+    people: np.ndarray[Any, Any]
 
     @classmethod
     def of(cls, layout: Layout, exchange: float, scale: float, human: Array) -> tuple[Steps, Array]:
@@ -104,7 +104,7 @@ class Steps:
             who,
             ticks,
             quickest,
-            chain,
+            np.asarray(chain, np.float32),
             stress,
             easiest,
             dear,
@@ -164,9 +164,9 @@ class Outlook:
         steps, price = Steps.of(layout, exchange, scale, _whole(instance.human))
         cheapest = np.minimum.reduceat(steps.dear, steps.first)
         first = np.array(steps.first)[steps.task]
-        for row, task in enumerate(steps.task):
-            for operator in layout.steps[task][row - first[row]].operators:
-                over = (steps.dear[row] - cheapest[task]) / scale
+        for place, task in enumerate(steps.task):
+            for operator in layout.steps[task][place - first[place]].operators:
+                over = (steps.dear[place] - cheapest[task]) / scale
                 pairs[task, operator, 3] = _cut(over)
         able = pairs[..., 2]
         tasks = np.stack(
