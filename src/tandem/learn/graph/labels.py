@@ -150,7 +150,7 @@ def _taken(
     if maker is None:
         # too many tasks are left to know better: what ends first
         return int((choices.starts + making.outlook.steps.ticks[choices.rows]).argmin())
-    return maker.chosen(making, choices, rng, temperature=1.0)
+    return maker.chosen(making, choices, rng, 1.0)
 
 
 def shown(outlook: Outlook, starts: Sequence[tuple[int, int]]) -> Iterator[Decided]:
