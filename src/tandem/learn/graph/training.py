@@ -43,8 +43,7 @@ class Config:
         `most_tasks`, labels what the policy does there, and takes `steps` steps over all labels.
       exact: losses are exact where at most so many tasks are left.
       passed: tasks that the local search passes by for the schedule of a large cell.
-      sharp: mean task times; a choice that loses so much counts 1/e of one that loses nothing; half
-        as much from round `sharper` on.
+      sharp: mean task times; a choice that loses so much counts 1/e of one that loses nothing.
       batch: cells a step; `rate` of Adam, half of it from the first round on; it falls to a
         fiftieth each time.
     """
@@ -61,7 +60,6 @@ class Config:
     passed: int = 100_000
     steps: int = 500
     sharp: float = 0.05
-    sharper: int = 6
     batch: int = 24
     rate: float = 4e-3
 
@@ -172,12 +170,10 @@ class _Run:
         rng = np.random.default_rng((config.seed, self.round))
         step = _step(config)
         rate = config.rate / (2 if self.round else 1)
-        sharp = config.sharp / (2 if self.round >= config.sharper else 1)
         falls = optax.cosine_decay_schedule(rate, max(steps, 1), alpha=0.02)
         for at in range(steps):
             drawn = batch(self.pool, rng, config.batch)
-            now = self.weights, self.adam, drawn, falls(at), sharp
-            self.weights, self.adam, loss = step(*now)
+            self.weights, self.adam, loss = step(self.weights, self.adam, drawn, falls(at))
             losses.append(float(loss))
         self.loss = float(np.mean(losses[-200:]))
         self.weights = {name: np.asarray(part) for name, part in self.weights.items()}
@@ -221,8 +217,8 @@ def _step(config: Config) -> Any:
     count = config.batch * DECISIONS
 
     @jax.jit
-    def step(weights: Leaves, state: Any, drawn: Leaves, rate: float, sharp: float) -> Any:
-        loss, gradient = jax.value_and_grad(_loss)(weights, drawn, count, sharp)
+    def step(weights: Leaves, state: Any, drawn: Leaves, rate: float) -> Any:
+        loss, gradient = jax.value_and_grad(_loss)(weights, drawn, count, config.sharp)
         change, state = adam.update(gradient, state, weights)
         moved = {name: part - rate * change[name] for name, part in weights.items()}
         return moved, state, loss
