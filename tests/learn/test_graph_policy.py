@@ -259,6 +259,21 @@ def test_it_repeats_for_a_seed_and_keeps_limits() -> None:
     assert all(stress <= most for _, stress in limited.points)
 
 
+def test_so_many_schedules_are_drawn_as_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    from tandem.errors import UsageError
+
+    made = list[int]()
+    make = Maker.build
+    monkeypatch.setattr(Maker, "build", lambda *given: (made.append(1), make(*given))[1])
+    cell, question = layered(6, seed=1), Question(minimize="makespan")
+    tandem.plan(cell, question, method="learned", samples=5)
+    assert len(made) == 5
+    with pytest.raises(UsageError, match=r"samples 5: method 'spt' draws no schedules.*learned"):
+        tandem.plan(cell, question, method="spt", samples=5)
+    with pytest.raises(UsageError, match=r"samples 0: must be 1 or more"):
+        tandem.plan(cell, question, method="learned", samples=0)
+
+
 # --- how it learns --------------------------------------------------------------------------------
 
 
