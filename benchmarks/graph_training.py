@@ -1,7 +1,8 @@
-"""Trains the policy for any cell that Tandem ships: imitation of exact schedules of small cells,
-then self-labelling on larger ones. A run that is stopped goes on in its folder, to the bit.
+"""Trains the policy for any cell that Tandem ships: imitation of exact decisions in small cells,
+then of those in states that the policy itself comes to. A run that is stopped goes on in its
+folder, to the bit.
 
-    python benchmarks/graph_training.py FOLDER [-o FILE] [--seed 0] [--rounds 12] [--drawn 64]
+    python benchmarks/graph_training.py FOLDER [-o FILE] [--seed 0] [--rounds N] [--drawn N]
 
 `-o FILE` writes the weights; those that are shipped are
 `src/tandem/learn/graph/weights.npz`. A line a round is printed, as JSON.
@@ -11,10 +12,16 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from dataclasses import asdict
 from pathlib import Path
+
+# one thread: sums in the same order, whatever the machine
+os.environ.setdefault(
+    "XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+)
 
 from tandem.learn.graph.training import Config, Told, train
 from tandem.learn.graph.weights import write_weights

@@ -92,6 +92,11 @@ if TYPE_CHECKING:
     ),
 )
 @click.option(
+    "--samples",
+    type=click.IntRange(min=1),
+    help="Of a method that draws schedules, such as learned: how many; 64 when absent.",
+)
+@click.option(
     "--cv",
     type=click.FloatRange(0.0, 10.0),
     default=0.0,
@@ -175,6 +180,7 @@ def plan_command(
     work: float | None,
     seed: int,
     workers: int | None,
+    samples: int | None,
     cv: float,
     robust: bool,
     risk: bool | None,
@@ -234,6 +240,7 @@ def plan_command(
     files = [*outputs, *([report] if report else [])]
     repeated = Repeated(cycle, takt, max_in_process, batch, mix, one_allocation)
     asked = asked_of(measure, axes, shift, cycles_per_shift, limit, outputs)
+    _check_samples(samples, bool(repeated or asked))
     if repeated:
         repeated.check(minimize, is_given)
     elif minimize == "cycle_time":
@@ -271,7 +278,7 @@ def plan_command(
     kind = minimize or ("weighted" if weights else "front")
     question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
     begin = _schedules_that_fit(plan_file, cell, question) if plan_file else None
-    solve = partial(plan, question=question, method=method)
+    solve = partial(plan, question=question, method=method, samples=samples)
     with SolveProgress(quiet=quiet, language=lang) as progress:
         front = solve(cell, hint=begin, on_solution=progress, **effort)
     if not front.interrupted:
@@ -296,6 +303,15 @@ def plan_command(
     if front.interrupted:
         click.echo(words(lang)("terminal.stopped"), err=True)
     return 130 if front.interrupted else 0
+
+
+def _check_samples(samples: int | None, otherwise: bool) -> None:
+    """Refuses a number of schedules where none are drawn."""
+    if samples is not None and otherwise:
+        raise UsageError(
+            "--samples goes with plans of one product by makespan and stress, such as"
+            " --method learned; leave it out here."
+        )
 
 
 def _existing(front: Front, point: int, files: Sequence[Path], lang: str) -> int:

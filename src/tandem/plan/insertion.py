@@ -72,7 +72,7 @@ class Insertion:
         import numpy as np
 
         self.layout, self.moves = layout, moves
-        self.parts = _parts(layout, moves)
+        self.parts = parts(layout, moves)
         tasks, ways = len(layout.steps), len(self.parts.ticks)
         resources, allowances = _count(layout.instance), len(self.parts.most)
 
@@ -178,7 +178,7 @@ class Insertion:
         return append(self.layout, self.walk.best_order.tolist(), ways)
 
 
-def _parts(layout: Layout, moves: ModuleType) -> Any:
+def parts(layout: Layout, moves: ModuleType) -> Any:
     """The layout as arrays; a zone or a tool that exists once is one more resource."""
     import numpy as np
 

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from inspect import signature
 from math import inf
 from time import monotonic
 from traceback import extract_tb
@@ -51,6 +52,12 @@ class Entry:
 
     def __call__(self, *arguments: Any, **options: Any) -> Front:
         return self.solve(*arguments, **options)
+
+    @property
+    def draws(self) -> bool:
+        """Whether it can be told how many schedules to draw: it takes `samples`."""
+        solve = self.solve.solve if isinstance(self.solve, _Own) else self.solve
+        return "samples" in signature(solve).parameters
 
 
 def theirs(home: str, found: Any) -> Entry:
@@ -145,6 +152,7 @@ def plan(
     work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
+    samples: int | None = None,
     hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
     settle: bool = True,
@@ -165,6 +173,8 @@ def plan(
         version, proven or not.
       workers: threads; None for one a core. Behind a proven point stands the same schedule
         (`canonical.py`) with any number of them.
+      samples: how many schedules a method makes that draws them (`learned`); its own number when
+        None.
       hint: a schedule to begin with, or several, such as those of an earlier front; the ones that
         the checker refuses are left aside.
       on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search
@@ -194,6 +204,7 @@ def plan(
         if work is None
         else {"time_limit": None, "work": work}
     )
+    limit |= _drawn(samples, method)
 
     def solve(asked: Cell, question: Question, seconds: float | None) -> Front:
         return METHODS[method](
@@ -252,6 +263,23 @@ def _check(cell: Cell, minimize: str, method: str) -> None:
                 )
             ]
         )
+
+
+def _drawn(samples: int | None, method: str) -> dict[str, int]:
+    """How many schedules the method is told to draw, as an option where it is told. Raises
+    UsageError for a number that is none, or that the method has no use for.
+    """
+    if samples is None:
+        return {}
+    if samples < 1:
+        raise UsageError(f"samples {samples}: must be 1 or more.")
+    if not METHODS[method].draws:
+        able = ", ".join(name for name, entry in METHODS.items() if entry.draws)
+        raise UsageError(
+            f"samples {samples}: method {method!r} draws no schedules whose number could be told."
+            f" Those that do: {able}."
+        )
+    return {"samples": samples}
 
 
 def check_effort(time_limit: float | None, work: float | None, workers: int | None) -> None:

@@ -8,29 +8,40 @@ an optimum. A choice that starts later than another one is a wait.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from tandem.learn.graph.outlook import FIXED, MOST_RATIO, Array, Outlook
-from tandem.plan.list_scheduling import PartialSchedule, Step
+from tandem.learn.graph.outlook import MOST_RATIO, Array, Outlook
+from tandem.plan.list_scheduling import PartialSchedule
 
 MOST = 48
 """So many choices are looked at, the earliest first: it bounds the time of a decision."""
-FEATURES = 24
+OF_CHOICE, OF_LENGTH, MORE = 14, 4, 10
+OF_ALL = OF_CHOICE + MORE
+FEATURES = OF_CHOICE + OF_LENGTH + OF_ALL
+"""Features of a choice beside the least of all choices, some of them as shares of what is left; of
+all choices the least, and what else can be seen of the state.
+"""
+LENGTHS = np.array([2, 3, 5, 8])
+MOMENTS = np.array([1.0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0])
+"""Which of them count as shares too, and which are moments, so that they count from now."""
+FEW, EXACT = 12, 1e-9
+
+Rows = np.ndarray[Any, np.dtype[np.int64]]
 
 
-class Choice(NamedTuple):
-    """A task that may be placed next, the step it is done by, its row among all steps, and when it
-    would start, ticks.
+class Choices(NamedTuple):
+    """The steps that may come next, task by task: `[K]` their rows among all steps, and the ticks
+    at which they would start; per task that is ready, the place of its first choice, and for each
+    choice the place of its task among these.
     """
 
-    start: int
-    task: int
-    step: Step
-    row: int
+    rows: Rows
+    starts: Rows
+    first: Rows
+    group: Rows
 
 
 @dataclass
@@ -40,7 +51,9 @@ class Making:
     Attributes:
       ready: tasks not placed whose predecessors are.
       clock: ticks; nothing starts before.
-      shared, owned: `[O]` ticks of the tasks not placed, shared out, and of each operator's own.
+      owned: `[O]` mean task times, each operator's own work that is not placed.
+      cheap, easy: mean task times of the tasks not placed at the operators' prices, and that their
+        least stress is worth.
       left: how many tasks are not placed.
     """
 
@@ -48,8 +61,9 @@ class Making:
     state: PartialSchedule
     ready: list[int]
     clock: int
-    shared: Array
     owned: Array
+    cheap: float
+    easy: float
     left: int
 
     @classmethod
@@ -57,72 +71,122 @@ class Making:
         """Nothing is placed."""
         state = PartialSchedule(outlook.layout)
         ready = [task for task, count in enumerate(state.waiting) if not count]
-        shared, owned = outlook.shares.sum(0), outlook.owned.sum(0)
-        return cls(outlook, state, ready, 0, shared, owned, len(outlook.tasks))
+        cheap, easy = sum(outlook.cheap), sum(outlook.easiest)
+        return cls(outlook, state, ready, 0, outlook.owned.sum(0), cheap, easy, len(outlook.tasks))
 
-    def choices(self) -> list[Choice]:
-        """What may be placed next, the earliest first; empty where a limit, a team or a machine's
-        part leaves nothing.
+    def choices(self) -> Choices:
+        """What may be placed next; nothing where a limit, a team or a machine's part stands in the
+        way of all.
         """
-        state, clock, found = self.state, self.clock, list[Choice]()
+        rows, starts, first, group = list[int](), list[int](), list[int](), list[int]()
+        state, clock, table, count = self.state, self.clock, self.outlook.row_of, 0
         for task in self.ready:
-            first = self.outlook.steps.first[task]
-            every = self.outlook.layout.steps[task]
+            numbers, begin = table[task], len(rows)
             for step in state.steps(task):
                 start = state.earliest(task, step)
-                found.append(Choice(max(start, clock), task, step, first + every.index(step)))
-        found.sort(key=lambda choice: (choice.start + choice.step.ticks, choice.start))
-        return found[:MOST]
+                rows.append(numbers[step.way])
+                starts.append(start if start > clock else clock)
+                group.append(count)
+            if len(rows) > begin:
+                first.append(begin)
+                count += 1
+        found = Choices(*map(np.array, (rows, starts, first, group)))
+        return found if len(rows) <= MOST else self._earliest(found)
 
-    def put(self, choice: Choice) -> None:
-        """Places the task."""
-        start, task, step, _ = choice
+    def _earliest(self, choices: Choices) -> Choices:
+        rows, starts, _, group = choices
+        ends = starts + self.outlook.steps.ticks[rows]
+        kept = np.sort(np.lexsort((starts, ends))[:MOST])
+        _, first, group = np.unique(group[kept], return_index=True, return_inverse=True)
+        return Choices(rows[kept], starts[kept], first, group)
+
+    def put(self, row: int, start: int) -> None:
+        """Places a task by the step of this row."""
+        outlook = self.outlook
+        task, step = outlook.step_of[row]
         self.ready.remove(task)
         self.ready += self.state.put(task, step, start)
         self.clock = start
-        self.shared = self.shared - self.outlook.shares[task]
-        self.owned = self.owned - self.outlook.owned[task]
+        self.owned = self.owned - outlook.owned[task]
+        self.cheap -= outlook.cheap[task]
+        self.easy -= outlook.easiest[task]
         self.left -= 1
 
 
-def features(making: Making, choices: Sequence[Choice]) -> Array:
-    """`[K, FEATURES]`, a row for each choice: ratios of times to the tasks' mean time, to the
-    longest chain that is left, and to the best of the other choices.
+def features(making: Making, choices: Choices) -> Array:
+    """`[K, FEATURES]`, a row for each choice: times in mean task times and as shares of what is
+    left at least, beside the best of the choices.
     """
     outlook, state = making.outlook, making.state
-    steps, scale, operators = outlook.steps, outlook.scale, len(outlook.operators)
-    rows = [choice.row for choice in choices]
-    who, share, task = steps.who[rows], steps.share[rows], steps.task[rows]
-    start = np.array([choice.start for choice in choices], np.float32)
-    free = np.array(state.free, np.float32)
-    end = start + steps.ticks[rows]
-    critical = end + steps.chain[rows]
-    now, worst, soonest = start.min(), critical.max(), end.min()
-    horizon = max(float(worst - now), 1.0)
-    # how the operators stand with the rest of the work shared out
-    rest = free + making.shared
-    # what the same task would come to by its other steps
-    best = np.full(len(outlook.tasks), np.inf, np.float32)
-    np.minimum.at(best, task, end)
+    steps, operators, rows = outlook.steps, len(outlook.operators), choices.rows
+    count, first, group = len(rows), choices.first, choices.group
+    ticks, chain, extra, base, tail = steps.table.take(rows, 1)
+    who, owned, suits, share = steps.people.take(rows, 1)
+    mine = who > 0
+    clock = np.array([*state.free, *choices.starts.tolist()]) / outlook.scale
+    free, start = clock[:operators], clock[operators:]
+    end = start + ticks
+    critical = end + chain
+    now, latest, soonest = least(start), most(free), least(end)
+    column, from_start = end[:, None], start[:, None]
+    # when operators could begin something else once the choice is placed
+    begin = np.where(mine, column, np.maximum(free, from_start))
+    # bounds of makespan and stress once it is placed: by the price of the work that is left, by
+    # each operator's own, by the chains of all tasks that are ready
+    load = begin @ outlook.price + base + (making.cheap - making.easy)
+    own = most(begin + making.owned - owned, 1) + extra
+    later = np.maximum(np.where(who @ who.T > 0, column, from_start), start) + tail
+    later = np.minimum.reduceat(later, first, axis=1)
+    later[np.arange(count), group] = critical
+    alone = most(later, 1) + extra
+    bound = np.maximum(np.maximum(load, own), np.maximum(alone, latest + extra))
+    # how much of what is ready suits whom, and what is left of it for the others meanwhile
+    rest = total(suits.take(first, 0), 0) - suits
+    idle = np.where(mine, 0.0, rest - np.maximum(column - np.maximum(free, now), 0.0))
     waiting, behind = state.waiting, outlook.layout.instance.begun_behind
-    opened = [sum(waiting[after] == 1 for after in behind[choice.task]) for choice in choices]
-    found = np.empty((len(choices), FEATURES), np.float32)
-    found[:, :FIXED] = steps.fixed[rows]
-    changing = found[:, FIXED:].T
-    changing[0] = (start - now) / scale
-    changing[1] = (start - (who * free).max(1)) / scale
-    changing[2] = (critical - now) / horizon
-    changing[3] = (critical - worst) / scale
-    changing[4] = (end - soonest) / scale
-    changing[5] = (end - best[task]) / scale
-    changing[6] = (share @ rest - rest.max()) / scale
-    changing[7] = (share @ (free + making.owned) - now) / horizon
-    changing[8] = (end - free.max()) / scale
-    changing[9] = opened
-    changing[9] /= operators
-    changing[10] = making.left / len(outlook.tasks)
-    changing[11] = len(making.ready) / operators / 4
-    changing[12] = making.shared.sum() / operators / horizon
-    changing[13] = (free.max() - now) / scale
-    changing[14] = 1 / operators
-    return np.clip(found, -MOST_RATIO, MOST_RATIO, out=found)
+    tasks = making.ready if len(first) == len(making.ready) else steps.task[rows[first]]
+    opened = [[waiting[after] for after in behind[task]].count(1) / operators for task in tasks]
+    values = np.array(
+        (
+            start,
+            start - most(who * free, 1),
+            end,
+            critical,
+            end - np.minimum.reduceat(end, first).take(group),
+            load,
+            own,
+            alone,
+            bound,
+            least(idle, 1),
+            total(share * rest, 1),
+            np.array(opened).take(group),
+            chain,
+            start > soonest - EXACT,
+        )
+    )
+    lowest = least(values, 1)
+    over = values - lowest[:, None]
+    horizon = max(float(lowest[8] - now), 1.0)
+    longest = most(over, 1)
+    more = (
+        latest - now,
+        latest - least(free),
+        longest[3],
+        longest[12],
+        4 / horizon,
+        making.cheap / horizon,
+        making.left / len(outlook.tasks),
+        min(making.left, FEW) / FEW,
+        len(first) / operators / 4,
+        1 / operators,
+    )
+    found = np.empty((FEATURES, count), np.float32)
+    found[:OF_CHOICE] = over
+    found[OF_CHOICE : OF_CHOICE + OF_LENGTH] = over.take(LENGTHS, 0) * (5 / horizon)
+    found[-OF_ALL:-MORE] = (lowest - now * MOMENTS)[:, None]
+    found[-MORE:] = np.array(more)[:, None]
+    np.minimum(found, MOST_RATIO, out=found)
+    return np.maximum(found, -MOST_RATIO, out=found).T
+
+
+least, most, total = np.minimum.reduce, np.maximum.reduce, np.add.reduce

@@ -1,52 +1,75 @@
-"""What the policy learns from: cells with the best schedule known of each, and these as arrays."""
+"""What the policy learns from: decisions in training cells, with what each choice loses.
+
+Where a dozen tasks or so are left, the losses of all choices are exact (`optimum`), in states that
+the policy itself comes to. Of a cell with more tasks there is also a good schedule, whose choices
+lose nothing; of the others nothing is known.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from random import Random
 from typing import Any
 
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.errors import InfeasibleError, NothingFoundError
-from tandem.learn.graph.candidates import FEATURES, MOST, features
+from tandem.learn.graph.candidates import Choices, Making, features
 from tandem.learn.graph.making import Maker, retold
 from tandem.learn.graph.network import Weights
-from tandem.learn.graph.outlook import OPERATOR, PAIR, TASK, Outlook
+from tandem.learn.graph.optimum import Search
+from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.training_cells import training_cell
+from tandem.plan import insertion_moves
+from tandem.plan.insertion import Insertion
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule
-from tandem.plan.methods import plan
-from tandem.plan.question import Question
-from tandem.plan.rules import SWEEP, exchange_of
+from tandem.plan.rules import SPECS, SWEEP, build, exchange_of
+from tandem.plan.starts import Starts
 
-MOST_TASKS, MOST_OPERATORS, MOST_STEPS = 40, 5, 256
-"""The sizes that arrays are padded to: no larger cell is trained on."""
 WITHOUT_STRESS = 0.4
 """The share of cells in which time alone counts."""
+MOST_LOSS, UNKNOWN = 1.0, 0.15
+"""Mean task times: larger losses are not told apart; what a choice is taken to lose of which only
+is known that a good schedule does without it.
+"""
+ASTRAY = 0.3
+"""How often a choice is drawn from all whose loss is told, instead of from the best ones, or from
+the policy's.
+"""
+NODES = 50_000
+"""Of a search for exact losses."""
 
 Arrays = dict[str, np.ndarray[Any, Any]]
 
 
 @dataclass(frozen=True)
 class Label:
-    """The best schedule that is known of a training cell.
+    """Decisions in one training cell.
 
     Attributes:
-      number: of the cell, see `training_cell`; `most_tasks` as it was drawn.
-      exchange: ticks that a unit of stress is worth.
-      starts: per task `(way, start in ticks)`.
+      number, most_tasks: of the cell, see `training_cell`. exchange: ticks that a unit of stress is
+        worth.
+      sizes: `[D]`, how many choices each decision has; their sum is `M`.
+      seen: `[M, FEATURES]` float16. rows: `[M]`, steps. losses: `[M]` in mean task times.
     """
 
     number: int
     most_tasks: int
     exchange: float
-    starts: tuple[tuple[int, int], ...]
+    sizes: np.ndarray[Any, Any]
+    seen: np.ndarray[Any, Any]
+    rows: np.ndarray[Any, Any]
+    losses: np.ndarray[Any, Any]
 
     def outlook(self) -> Outlook:
         """The cell as the network sees it."""
         return Outlook.of(layout_of(training_cell(self.number, self.most_tasks)), self.exchange)
+
+
+Decided = tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]
+"""What was seen of the choices of a decision, their rows, and what they lose."""
 
 
 def layout_of(cell: Cell) -> Layout:
@@ -62,38 +85,101 @@ def drawn_exchange(number: int, layout: Layout) -> float:
     return float(rng.choice(SWEEP[1:-2])) * exchange_of(layout)
 
 
-def exact_label(number: int, most_tasks: int, work: float) -> Label | None:
-    """The schedule that the exact method finds by so much work, the canonical one: of many optimal
-    schedules always the one of the same kind, with early starts. None where it finds none.
+def label(
+    weights: Weights | None, number: int, most_tasks: int, exact: int, passed: int
+) -> tuple[Label, Outlook] | None:
+    """Decisions of the training cell of this number, and the cell as the network sees it: those
+    that the policy comes to, or without `weights` those near optimal ones, where at most `exact`
+    tasks are left; and in larger cells those of the schedule that a local search finds which passes
+    so many tasks by. None where no decision has two choices.
     """
-    cell = training_cell(number, most_tasks)
-    layout = layout_of(cell)
-    exchange = drawn_exchange(number, layout)
-    instance = layout.instance
-    question = Question(
-        minimize="weighted",
-        weights=(1.0, exchange * instance.per_stress / instance.per_second),
-    )
-    try:
-        (found, *_) = plan(cell, question, work=work, workers=1, confirm=False, seed=0)
-    except (InfeasibleError, NothingFoundError):
-        return None
-    return Label(number, most_tasks, exchange, tuple(instance.starts(found.schedule)))
-
-
-def own_label(weights: Weights, number: int, most_tasks: int, samples: int) -> Label | None:
-    """The best of the schedules that the policy makes itself, one greedy and the others drawn."""
     layout = layout_of(training_cell(number, most_tasks))
     exchange = drawn_exchange(number, layout)
-    maker = Maker.of(weights, Outlook.of(layout, exchange))
-    rng = np.random.default_rng((11, number))
-    made = [maker.build(None if not sample else rng) for sample in range(samples)]
-    sound = [state for state in made if state is not None]
-    if not sound:
+    outlook, rng = Outlook.of(layout, exchange), np.random.default_rng((11, number))
+    if layout.impossible() or not Search.can(outlook):
         return None
-    # of equals the one with early starts, as the exact ones have them
-    best = min(sound, key=lambda state: (cost(state, exchange), sum(state.start)))
-    return Label(number, most_tasks, exchange, tuple(best.starts()))
+    maker = None if weights is None else Maker.of(weights, outlook)
+    found = list(visited(outlook, maker, exact, rng))
+    if len(layout.steps) > exact:
+        found += list(shown(outlook, searched(layout, exchange, passed, number)))
+    if not found:
+        return None
+    seen, rows, losses = zip(*found, strict=True)
+    told = Label(
+        number,
+        most_tasks,
+        exchange,
+        np.array([len(row) for row in rows], np.int32),
+        np.concatenate(seen).astype(np.float16),
+        np.concatenate(rows).astype(np.int32),
+        np.concatenate(losses).astype(np.float32),
+    )
+    return told, outlook
+
+
+def visited(
+    outlook: Outlook, maker: Maker | None, exact: int, rng: np.random.Generator
+) -> Iterator[Decided]:
+    """The decisions on the way through the cell of which exact losses are known."""
+    search, making = Search(outlook), Making.of(outlook)
+    while making.left:
+        choices = making.choices()
+        losses = None
+        if len(choices.rows) > 1 and making.left <= exact:
+            most = MOST_LOSS * outlook.scale
+            losses = search.losses(making, choices.rows, choices.starts, most, NODES)
+        if losses is not None:
+            told = np.minimum(losses / outlook.scale, MOST_LOSS)
+            yield features(making, choices), choices.rows, told
+        at = _taken(making, choices, losses, maker, rng)
+        making.put(int(choices.rows[at]), int(choices.starts[at]))
+
+
+def _taken(
+    making: Making,
+    choices: Choices,
+    losses: np.ndarray[Any, Any] | None,
+    maker: Maker | None,
+    rng: np.random.Generator,
+) -> int:
+    """Which of the choices is taken on the way."""
+    astray = rng.random() < ASTRAY
+    if losses is not None and (astray or maker is None):
+        fine = np.flatnonzero(losses <= (making.outlook.scale * MOST_LOSS if astray else 0.0))
+        return int(rng.choice(fine))
+    if maker is None:
+        # too many tasks are left to know better: what ends first
+        return int((choices.starts + making.outlook.steps.ticks[choices.rows]).argmin())
+    return maker.chosen(making, choices, rng, 1.0)
+
+
+def shown(outlook: Outlook, starts: Sequence[tuple[int, int]]) -> Iterator[Decided]:
+    """The decisions that lead to a schedule."""
+    for making, choices, which in retold(outlook, starts):
+        if len(choices.rows) < 2:
+            continue
+        losses = np.full(len(choices.rows), UNKNOWN)
+        losses[which] = 0.0
+        yield features(making, choices), choices.rows, losses
+
+
+def searched(layout: Layout, exchange: float, passed: int, seed: int) -> Starts:
+    """The schedule that search by insertion finds, from that of a rule. Assumes a cell without
+    limits.
+    """
+    random = Random(seed)
+    state = build(layout, SPECS["balanced"], random, stress=exchange)
+    assert state is not None
+    search = Insertion(layout, insertion_moves, random)
+    search.aim(FINE, round(FINE * exchange), None, None)
+    begin = tuple(state.starts())
+    search.begin(begin)
+    search.go(passed)
+    return search.best() or begin
+
+
+FINE = 1000
+"""Whole parts of a tick that the insertion search counts costs in."""
 
 
 def cost(state: PartialSchedule, exchange: float) -> float:
@@ -101,42 +187,31 @@ def cost(state: PartialSchedule, exchange: float) -> float:
     return state.makespan + exchange * state.stress
 
 
-def arrays(label: Label) -> Arrays:
-    """The decisions that lead to the label's schedule, padded; `target` is 1 for each choice that
-    may come next, and everywhere 0 in decisions that leave no choice.
-    """
-    outlook = label.outlook()
-    count, operators = outlook.pairs.shape[:2]
-    steps = len(outlook.steps.task)
-    found: Arrays = {
-        "tasks": np.zeros((MOST_TASKS, TASK), np.float32),
-        "operators": np.zeros((MOST_OPERATORS, OPERATOR), np.float32),
-        "pairs": np.zeros((MOST_TASKS, MOST_OPERATORS, PAIR), np.float32),
-        "before": np.zeros((MOST_TASKS, MOST_TASKS), np.float32),
-        "step task": np.zeros(MOST_STEPS, np.int32),
-        "step share": np.zeros((MOST_STEPS, MOST_OPERATORS), np.float32),
-        "seen": np.zeros((MOST_TASKS, MOST, FEATURES), np.float16),
-        "row": np.zeros((MOST_TASKS, MOST), np.int32),
-        "legal": np.zeros((MOST_TASKS, MOST), bool),
-        "target": np.zeros((MOST_TASKS, MOST), bool),
-    }
-    found["tasks"][:count] = outlook.tasks
-    found["operators"][:operators] = outlook.operators
-    found["pairs"][:count, :operators] = outlook.pairs
-    found["before"][:count, :count] = outlook.before
-    found["step task"][:steps] = outlook.steps.task
-    found["step share"][:steps, :operators] = outlook.steps.share
-    for at, (making, choices, which) in enumerate(retold(outlook, label.starts)):
-        if len(choices) < 2:
-            continue
-        found["seen"][at, : len(choices)] = features(making, choices)
-        found["row"][at, : len(choices)] = [choice.row for choice in choices]
-        found["legal"][at, : len(choices)] = True
-        found["target"][at, which] = True
+def written(labels: Sequence[Label]) -> Arrays:
+    """The labels as a few arrays, one behind the other."""
+    whole = ("sizes", "seen", "rows", "losses")
+    found: Arrays = {name: np.concatenate([getattr(one, name) for one in labels]) for name in whole}
+    for field in fields(Label):
+        if field.name not in whole:
+            found[field.name] = np.array([getattr(one, field.name) for one in labels])
+    found["decisions"] = np.array([len(one.sizes) for one in labels])
     return found
 
 
-def stacked(labels: Sequence[Label]) -> Arrays:
-    """The arrays of all labels, label by label."""
-    each = [arrays(label) for label in labels]
-    return {key: np.stack([one[key] for one in each]) for key in each[0]}
+def read(arrays: Arrays) -> list[Label]:
+    """The inverse of `written`."""
+    found, decision, choice = list[Label](), 0, 0
+    for at, count in enumerate(arrays["decisions"]):
+        sizes = arrays["sizes"][decision : decision + count]
+        end = choice + int(sizes.sum())
+        found.append(
+            Label(
+                int(arrays["number"][at]),
+                int(arrays["most_tasks"][at]),
+                float(arrays["exchange"][at]),
+                sizes,
+                *(arrays[name][choice:end] for name in ("seen", "rows", "losses")),
+            )
+        )
+        decision, choice = decision + int(count), end
+    return found

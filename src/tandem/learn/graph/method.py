@@ -21,9 +21,7 @@ from tandem.plan.rules import SPECS, SWEEP, Attempts, attempts, best_of, drawn_t
 
 NAME = "learned"
 SAMPLES = 64
-"""Schedules in all, one of them greedy; for a front so many are shared out over the weights of
-stress, with a greedy one for each.
-"""
+"""Schedules in all, unless another number is asked for."""
 UNLIKE = ("random",)
 """Rules that are no yardstick: one schedule that is drawn."""
 
@@ -36,10 +34,14 @@ def learned(
     work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
+    samples: int = SAMPLES,
     hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
     """the best of 64 schedules by one network for all cells, or what the best dispatch rule finds
+
+    With `samples` of so many, one of them greedy; for a front they are shared out over the weights
+    of stress, with a greedy one for each.
 
     Every rule is asked too, so that no answer is worse than theirs; `solver` names those that gave
     a point of the front. Nothing is proven but simple bounds. `work`, `workers` and `hint` play no
@@ -49,33 +51,35 @@ def learned(
     """
 
     def made(layout: Layout, enough: Callable[[], bool]) -> Attempts:
-        return _schedules(layout, question, seed, enough)
+        return _schedules(layout, question, samples, seed, enough)
 
     by = "the policy or by a rule"
     return best_of(cell, question, made, NAME, by, seed, time_limit, on_solution)
 
 
 def _schedules(
-    layout: Layout, question: Question, seed: int, enough: Callable[[], bool]
+    layout: Layout, question: Question, samples: int, seed: int, enough: Callable[[], bool]
 ) -> Attempts:
     """The policy comes first: a rule is named only where it found something better."""
     # stress that is listed by sets of tasks says nothing of a single one: only rules can take it
     if not layout.impossible() and layout.instance.stress_of_set is None:
-        yield from ((NAME, state) for state in _own(layout, question, seed))
+        yield from ((NAME, state) for state in _own(layout, question, samples, seed))
     for name, rule in SPECS.items():
         if name not in UNLIKE:
             for state in attempts(layout, rule, Random(seed), question, enough):
                 yield name, state
 
 
-def _own(layout: Layout, question: Question, seed: int) -> Iterator[PartialSchedule | None]:
+def _own(
+    layout: Layout, question: Question, samples: int, seed: int
+) -> Iterator[PartialSchedule | None]:
     """The policy's schedules: of each weight of stress one greedy, then as many drawn."""
     random = np.random.default_rng(seed)
     weights = weights_of_stress(layout, question)
     for weight in weights:
         maker = Maker.of(shipped(), Outlook.of(layout, weight))
         yield drawn_together(layout, maker.build())
-        for _ in range(SAMPLES // len(weights) - 1):
+        for _ in range(samples // len(weights) - 1):
             yield drawn_together(layout, maker.build(random))
 
 

@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from tandem.learn.graph.candidates import FEATURES
-from tandem.learn.graph.outlook import OPERATOR, PAIR, TASK
+from tandem.learn.graph.outlook import FIXED, OPERATOR, PAIR, TASK
 from tandem.learn.networks import forward, init
 
 Array = Any
@@ -28,9 +28,11 @@ def fresh(draw: Callable[[tuple[int, ...]], Array]) -> Weights:
     found: Weights = {
         "task": init(draw, (TASK, WIDTH)),
         "operator": init(draw, (OPERATOR, WIDTH)),
-        "step": init(draw, (2 * WIDTH, HIDDEN)),
+        "step": init(draw, (2 * WIDTH + FIXED, HIDDEN)),
         "choice": init(draw, (FEATURES, HIDDEN, HIDDEN, 1), last=0.1),
     }
+    # the first layer's bias is that of the step
+    del found["choice"]["0"]["bias"]
     for turn in range(ROUNDS):
         found[f"to operators {turn}"] = init(draw, (2 * WIDTH + PAIR, 2 * WIDTH, WIDTH))
         found[f"to tasks {turn}"] = init(draw, (4 * WIDTH + PAIR, 2 * WIDTH, WIDTH))
@@ -69,22 +71,24 @@ def nodes(
     return task, operator
 
 
-def lasting(xp: ModuleType, weights: Weights, task: Array, group: Array) -> Array:
-    """`[..., HIDDEN]`: what a step's task and operators add to the first layer of each decision.
+def lasting(xp: ModuleType, weights: Weights, task: Array, group: Array, fixed: Array) -> Array:
+    """`[..., HIDDEN]`: what of a step never changes adds to the first layer of each decision.
 
     Args:
       task, group: `[..., WIDTH]`, what the step's task is, and the mean of what its operators are.
+      fixed: `[..., FIXED]`, what can be seen of the step itself.
     """
-    return xp.concatenate([task, group], -1) @ weights["step"]["0"]["weight"]
+    return forward(xp, weights["step"], xp.concatenate([task, group, fixed], -1), "relu")
 
 
 def scores(xp: ModuleType, weights: Weights, seen: Array, lasting: Array) -> Array:
-    """`[..., K]` logits of the choices.
+    """`[K]` logits of the choices.
 
     Args:
-      seen: `[..., K, FEATURES]`, what can be seen of the choices now.
-      lasting: `[..., K, HIDDEN]`, of their steps.
+      seen: `[K, FEATURES]`, what can be seen of the choices now.
+      lasting: `[K, HIDDEN]`, of their steps.
     """
-    first = forward(xp, {"0": weights["choice"]["0"]}, seen, "relu") + lasting
-    rest = {str(at): weights["choice"][str(at + 1)] for at in range(2)}
-    return forward(xp, rest, xp.maximum(first, 0), "relu")[..., 0]
+    first, second, last = (weights["choice"][str(at)] for at in range(3))
+    flow = xp.maximum(seen @ first["weight"] + lasting, 0)
+    flow = xp.maximum(flow @ second["weight"] + second["bias"][None], 0)
+    return flow @ last["weight"][:, 0] + last["bias"]

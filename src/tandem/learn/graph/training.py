@@ -1,6 +1,7 @@
-"""Training the policy for any cell: first it imitates exact schedules of small cells, then the best
-of the schedules that it makes itself in larger ones (self-labelling; Corsini et al. 2024,
-"Self-Labeling the Job Shop Scheduling Problem").
+"""Training the policy for any cell by imitation: first of exact decisions in small cells, then,
+round by round, of what is exactly or nearly best in the states that the policy itself comes to, in
+larger cells too (Ross, Gordon and Bagnell 2011, "A Reduction of Imitation Learning and Structured
+Prediction to No-Regret Online Learning"). The targets are all choices, each by how much it loses.
 
 A run is kept in a folder after each round and goes on there, to the bit: every cell and every draw
 follows from a number.
@@ -9,7 +10,7 @@ follows from a number.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -22,10 +23,11 @@ import optax
 
 from tandem.errors import UsageError
 from tandem.files.atomic import store
-from tandem.learn.graph.labels import Arrays, Label, exact_label, own_label, stacked
+from tandem.learn.graph.labels import Label, label, read, written
 from tandem.learn.graph.network import Weights, fresh, lasting, nodes, scores
+from tandem.learn.graph.outlook import Outlook
+from tandem.learn.graph.pool import DECISIONS, SIZES, Seen, batch
 from tandem.learn.graph.weights import packed, unpacked
-from tandem.learn.networks import masked_log_softmax
 
 Leaves = dict[str, Any]
 
@@ -35,33 +37,36 @@ class Config:
     """How the policy is trained.
 
     Attributes:
-      imitated: cells of up to `imitated_tasks` tasks whose exact schedules are imitated first, each
-        planned by `work` (CP-SAT's deterministic seconds) at most.
-      imitation_steps: of the optimiser, before the first round.
-      rounds: of self-labelling; each draws `drawn` new cells of up to `most_tasks` tasks, labels
-        them with the best of `samples` schedules, and takes `steps` steps over the last `kept`
-        labels.
-      batch: labels a step; `rate` of Adam, falling to a tenth.
+      first: cells of up to `small` tasks that are labelled before the first round; `first_steps` of
+        the optimiser follow.
+      rounds: each draws `drawn` new cells of up to `small` tasks and `drawn_large` of up to
+        `most_tasks`, labels what the policy does there, and takes `steps` steps over all labels.
+      exact: losses are exact where at most so many tasks are left.
+      passed: tasks that the local search passes by for the schedule of a large cell.
+      sharp: mean task times; a choice that loses so much counts 1/e of one that loses nothing.
+      batch: cells a step; `rate` of Adam, half of it from the first round on; it falls to a
+        fiftieth each time.
     """
 
     seed: int = 0
-    imitated: int = 900
-    imitated_tasks: int = 18
-    work: float = 0.4
-    imitation_steps: int = 3000
-    rounds: int = 10
-    drawn: int = 64
+    first: int = 800
+    small: int = 14
+    first_steps: int = 1000
+    rounds: int = 5
+    drawn: int = 120
+    drawn_large: int = 60
     most_tasks: int = 40
-    samples: int = 32
-    steps: int = 160
-    kept: int = 1200
-    batch: int = 16
-    rate: float = 2e-3
+    exact: int = 14
+    passed: int = 100_000
+    steps: int = 500
+    sharp: float = 0.05
+    batch: int = 24
+    rate: float = 4e-3
 
 
 @dataclass(frozen=True)
 class Told:
-    """What is known after a round (0: after the imitation)."""
+    """What is known after a round (0: before the policy labels)."""
 
     round: int
     loss: float
@@ -91,23 +96,18 @@ class _Run:
     folder: Path
     weights: Leaves
     adam: Any
-    labels: list[Label]
-    pool: Arrays
+    pool: list[list[Seen]]
     round: int = 0
     loss: float = float("nan")
 
     @classmethod
     def begun(cls, config: Config, folder: Path) -> _Run:
-        """A run that has imitated the exact schedules."""
+        """A run that has imitated the exact decisions."""
         rng = np.random.default_rng(config.seed)
         weights = packed(fresh(lambda shape: rng.uniform(-1, 1, shape).astype(np.float32)))
-        exact = [
-            exact_label(number, config.imitated_tasks, config.work)
-            for number in range(config.imitated)
-        ]
-        labels = [label for label in exact if label is not None]
-        run = cls(config, folder, weights, _adam(config).init(weights), labels, stacked(labels))
-        run.learn(config.imitation_steps)
+        run = cls(config, folder, weights, _adam().init(weights), _empty())
+        run.add(label(None, at, config.small, config.exact, 0) for at in range(config.first))
+        run.learn(config.first_steps)
         run.keep()
         return run
 
@@ -121,52 +121,61 @@ class _Run:
             raise UsageError(
                 f"{folder}: holds a run of another configuration; name another folder."
             )
-        labels = [
-            Label(
-                one["number"], one["most_tasks"], one["exchange"], tuple(map(tuple, one["starts"]))
-            )
-            for one in kept["labels"]
-        ]
-        with np.load(folder / "state.npz", allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
+        arrays = _loaded(folder / f"state-{kept['round']}.npz")
         weights = {name[2:]: arrays[name] for name in arrays if name.startswith("w/")}
-        like = _adam(config).init(weights)
-        leaves, shape = jax.tree.flatten(like)
+        leaves, shape = jax.tree.flatten(_adam().init(weights))
         adam = jax.tree.unflatten(shape, [arrays[f"a/{at}"] for at in range(len(leaves))])
-        return cls(
-            config, folder, weights, adam, labels, stacked(labels), kept["round"], kept["loss"]
-        )
+        run = cls(config, folder, weights, adam, _empty(), kept["round"], kept["loss"])
+        for at in range(kept["round"] + 1):
+            for one in read(_loaded(folder / f"labels-{at}.npz")):
+                run.take(one, one.outlook())
+        return run
 
     def go_on(self) -> None:
-        """One round: new labels of its own, then steps over the latest."""
-        config, first = self.config, self.config.imitated + self.round * self.config.drawn
-        weights = unpacked(self.weights)
-        own = [
-            own_label(weights, number, config.most_tasks, config.samples)
-            for number in range(first, first + config.drawn)
-        ]
-        new = [label for label in own if label is not None]
-        added = stacked(new)
-        self.labels = [*self.labels, *new][-config.kept :]
-        self.pool = {
-            key: np.concatenate([part, added[key]])[-config.kept :]
-            for key, part in self.pool.items()
-        }
+        """One round: the policy's own states, then steps over all labels."""
+        config, weights = self.config, unpacked(self.weights)
+        each = config.drawn + config.drawn_large
+        begin = config.first + self.round * each
         self.round += 1
+        self.add(
+            label(
+                weights,
+                begin + at,
+                config.small if at < config.drawn else config.most_tasks,
+                config.exact,
+                config.passed,
+            )
+            for at in range(each)
+        )
         self.learn(config.steps)
         self.keep()
+
+    def add(self, labels: Iterable[tuple[Label, Outlook] | None]) -> None:
+        """Takes the labels of a round, and writes them down."""
+        found = list[Label]()
+        for one in labels:
+            if one is not None:
+                found.append(one[0])
+                self.take(*one)
+        _write(self.folder / f"labels-{self.round}.npz", written(found))
+
+    def take(self, label: Label, outlook: Outlook) -> None:
+        """Puts the label into the pool."""
+        seen = Seen.of(label, outlook)
+        self.pool[seen.size].append(seen)
 
     def learn(self, steps: int) -> None:
         """So many steps of the optimiser over the labels in hand."""
         config, losses = self.config, []
         rng = np.random.default_rng((config.seed, self.round))
         step = _step(config)
-        for _ in range(steps):
-            rows = rng.integers(len(self.labels), size=config.batch)
-            batch = {key: part[rows] for key, part in self.pool.items()}
-            self.weights, self.adam, loss = step(self.weights, self.adam, batch)
+        rate = config.rate / (2 if self.round else 1)
+        falls = optax.cosine_decay_schedule(rate, max(steps, 1), alpha=0.02)
+        for at in range(steps):
+            drawn = batch(self.pool, rng, config.batch)
+            self.weights, self.adam, loss = step(self.weights, self.adam, drawn, falls(at))
             losses.append(float(loss))
-        self.loss = float(np.mean(losses))
+        self.loss = float(np.mean(losses[-200:]))
         self.weights = {name: np.asarray(part) for name, part in self.weights.items()}
 
     def keep(self) -> None:
@@ -174,54 +183,73 @@ class _Run:
         leaves = jax.tree.leaves(self.adam)
         arrays = {f"w/{name}": part for name, part in self.weights.items()}
         arrays |= {f"a/{at}": np.asarray(part) for at, part in enumerate(leaves)}
-        np.savez(self.folder / "state.tmp.npz", **arrays)
-        (self.folder / "state.tmp.npz").replace(self.folder / "state.npz")
-        document = {
-            "config": asdict(self.config),
-            "round": self.round,
-            "loss": self.loss,
-            "labels": [asdict(label) for label in self.labels],
-        }
+        _write(self.folder / f"state-{self.round}.npz", arrays)
+        document = {"config": asdict(self.config), "round": self.round, "loss": self.loss}
         store(self.folder / "run.json", json.dumps(document))
 
     def told(self) -> Told:
         """Where the run stands."""
-        return Told(self.round, self.loss, len(self.labels))
+        return Told(self.round, self.loss, sum(map(len, self.pool)))
 
 
-def _adam(config: Config) -> optax.GradientTransformation:
-    steps = config.imitation_steps + config.rounds * config.steps
-    rate = optax.cosine_decay_schedule(config.rate, max(steps, 1), alpha=0.1)
-    return optax.chain(optax.clip_by_global_norm(1.0), optax.adam(rate))
+def _empty() -> list[list[Seen]]:
+    return [[] for _ in SIZES]
+
+
+def _write(path: Path, arrays: dict[str, Any]) -> None:
+    whole = path.with_suffix(".tmp.npz")
+    np.savez(whole, **arrays)
+    whole.replace(path)
+
+
+def _loaded(path: Path) -> dict[str, Any]:
+    with np.load(path, allow_pickle=False) as file:
+        return {name: file[name] for name in file.files}
+
+
+def _adam() -> optax.GradientTransformation:
+    return optax.chain(optax.clip_by_global_norm(1.0), optax.scale_by_adam())
 
 
 @cache
 def _step(config: Config) -> Any:
-    adam = _adam(config)
+    adam = _adam()
+    count = config.batch * DECISIONS
 
     @jax.jit
-    def step(weights: Leaves, state: Any, batch: Leaves) -> Any:
-        loss, gradient = jax.value_and_grad(_loss)(weights, batch)
+    def step(weights: Leaves, state: Any, drawn: Leaves, rate: float) -> Any:
+        loss, gradient = jax.value_and_grad(_loss)(weights, drawn, count, config.sharp)
         change, state = adam.update(gradient, state, weights)
-        return optax.apply_updates(weights, change), state, loss
+        moved = {name: part - rate * change[name] for name, part in weights.items()}
+        return moved, state, loss
 
     return step
 
 
-def _loss(leaves: Leaves, batch: Leaves) -> Any:
-    """Minus the log-probability of the choices that may come next, per decision with a choice."""
+def _loss(leaves: Leaves, drawn: Leaves, count: int, sharp: float) -> Any:
+    """Cross-entropy of the choices with what they should be drawn with, per decision."""
     weights = unpacked(leaves)
 
     def of_cell(cell: Leaves) -> Any:
         task, operator = nodes(
             jnp, weights, cell["tasks"], cell["operators"], cell["pairs"], cell["before"]
         )
-        steps = lasting(jnp, weights, task[cell["step task"]], cell["step share"] @ operator)
-        seen = cell["seen"].astype(jnp.float32)
-        return scores(jnp, weights, seen, steps[cell["row"]])
+        group = cell["step share"] @ operator
+        return lasting(jnp, weights, task[cell["step task"]], group, cell["step fixed"])
 
-    logits = jax.vmap(of_cell)(batch)
-    likely = masked_log_softmax(jnp, logits, batch["legal"])
-    right = jax.nn.logsumexp(jnp.where(batch["target"], likely, -1e9), axis=-1)
-    counts = batch["target"].any(-1)
-    return -jnp.where(counts, right, 0.0).sum() / jnp.maximum(counts.sum(), 1)
+    names = ("tasks", "operators", "pairs", "before", "step task", "step share", "step fixed")
+    steps = jax.vmap(of_cell)({name: drawn[name] for name in names})
+    logits = scores(jnp, weights, drawn["seen"], steps[drawn["cell"], drawn["row"]])
+    wanted = jnp.exp(_log_softmax(-drawn["loss"] / sharp, drawn["decision"], count))
+    likely = _log_softmax(logits, drawn["decision"], count)
+    real = drawn["decision"] < count
+    decisions = jnp.max(jnp.where(real, drawn["decision"], 0)) + 1
+    return -jnp.where(real, wanted * likely, 0.0).sum() / decisions
+
+
+def _log_softmax(values: Any, decision: Any, count: int) -> Any:
+    """Over the choices of each decision; padding is one more."""
+    most = jax.ops.segment_max(values, decision, count + 1, indices_are_sorted=True)
+    shifted = values - jax.lax.stop_gradient(most)[decision]
+    sums = jax.ops.segment_sum(jnp.exp(shifted), decision, count + 1, indices_are_sorted=True)
+    return shifted - jnp.log(sums)[decision]

@@ -14,8 +14,8 @@ from tandem.files.validate import cell_of
 
 FIRST_SEED = 1_000_000
 """Cells are drawn from this seed on; test sets take seeds below it."""
-JOINT, TOOLS, ZONES = 0.15, 0.2, 0.2
-"""Shares of cells with joint ways, with tools and with a zone."""
+CHAINS, JOINT, TOOLS, ZONES = 0.25, 0.15, 0.2, 0.2
+"""Shares of cells whose tasks are chains, of those with joint ways, with tools and with a zone."""
 
 
 def training_cell(number: int, most_tasks: int) -> Cell:
@@ -26,6 +26,17 @@ def training_cell(number: int, most_tasks: int) -> Cell:
       most_tasks: the largest size that is drawn, 5 at least.
     """
     rng = np.random.default_rng(FIRST_SEED + number)
+    data = _chains(rng, most_tasks) if rng.random() < CHAINS else _layers(rng, number, most_tasks)
+    if rng.random() < JOINT:
+        _add_joint_ways(data, rng)
+    if rng.random() < TOOLS:
+        _add_tools(data, rng)
+    if rng.random() < ZONES:
+        _add_zone(data, rng)
+    return cell_of(data)
+
+
+def _layers(rng: np.random.Generator, number: int, most_tasks: int) -> dict[str, Any]:
     humans, robots = int(rng.integers(1, 3)), int(rng.integers(1, 4))
     if rng.random() < 0.5:
         humans, robots = 1, 1
@@ -40,14 +51,36 @@ def training_cell(number: int, most_tasks: int) -> Cell:
         layers=int(rng.integers(1, tasks + 1)) if rng.random() < 0.5 else None,
         seed=FIRST_SEED + number,
     )
-    data = cell.to_dict()
-    if rng.random() < JOINT:
-        _add_joint_ways(data, rng)
-    if rng.random() < TOOLS:
-        _add_tools(data, rng)
-    if rng.random() < ZONES:
-        _add_zone(data, rng)
-    return cell_of(data)
+    return cell.to_dict()
+
+
+def _chains(rng: np.random.Generator, most_tasks: int) -> dict[str, Any]:
+    """Products that go their own ways, as in a flexible job shop: each task by some of two to six
+    operators, in times that are alike (within a fifth) or have nothing to do with each other.
+    """
+    operators = int(rng.integers(2, 7))
+    humans = int(rng.integers(1, min(3, operators)))
+    kinds = ["human"] * humans + ["robot"] * (operators - humans)
+    names = [f"{kind}_{at + 1}" for at, kind in enumerate(kinds)]
+    alike, skilled = rng.random() < 0.5, float(rng.choice([0.3, 0.6, 1.0]))
+    tasks, entries = int(rng.integers(5, most_tasks + 1)), dict[str, Any]()
+    length = int(rng.integers(2, 8))
+    for task in range(tasks):
+        able = [name for name in names if rng.random() < skilled] or [str(rng.choice(names))]
+        base = int(rng.integers(5, 40))
+        times = {
+            name: int(rng.integers(-(-4 * base // 5), 6 * base // 5 + 1))
+            if alike
+            else int(rng.integers(1, 100))
+            for name in able
+        }
+        entry: dict[str, Any] = {"time": times}
+        if any(name.startswith("human") for name in able):
+            entry["stress"] = int(rng.integers(11))
+        entry["after"] = [str(task)] if task % length else []
+        entries[str(task + 1)] = entry
+    people = {name: {"kind": kind} for name, kind in zip(names, kinds, strict=True)}
+    return {"name": f"Chains of {length}", "operators": people, "tasks": entries}
 
 
 def _add_joint_ways(data: dict[str, Any], rng: np.random.Generator) -> None:

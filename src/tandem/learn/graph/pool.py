@@ -1,0 +1,112 @@
+"""Labels as arrays, and batches of them: cells padded to a common size, the choices of all
+decisions behind each other. There are few shapes, for each one is compiled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tandem.learn.graph.candidates import FEATURES
+from tandem.learn.graph.labels import Arrays, Label
+from tandem.learn.graph.outlook import Outlook
+
+DECISIONS = 8
+"""Decisions of a cell in a batch."""
+SIZES = ((16, 128), (40, 256))
+"""Tasks and steps that cells are padded to: no larger ones are trained on."""
+MOST_OPERATORS = 6
+CHOICES = 9
+"""Choices of a decision in the mean for which a batch has room: what does not fit is left out."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A labelled cell as the network sees it; `at` are the ends of its decisions among its choices,
+    `size` is its index in `SIZES`.
+    """
+
+    label: Label
+    cell: Arrays
+    at: np.ndarray[Any, Any]
+    size: int
+
+    @classmethod
+    def of(cls, label: Label, outlook: Outlook) -> Seen:
+        """The label with the relations of its cell."""
+        steps = outlook.steps
+        tasks = len(outlook.tasks)
+        fit = [size for size in SIZES if tasks <= size[0] and len(steps.task) <= size[1]]
+        size = SIZES.index(fit[0])
+        lengths = {
+            "tasks": (SIZES[size][0],),
+            "operators": (MOST_OPERATORS,),
+            "pairs": (SIZES[size][0], MOST_OPERATORS),
+            "before": (SIZES[size][0], SIZES[size][0]),
+            "step task": (SIZES[size][1],),
+            "step share": (SIZES[size][1], MOST_OPERATORS),
+            "step fixed": (SIZES[size][1],),
+        }
+        parts = (
+            outlook.tasks,
+            outlook.operators,
+            outlook.pairs,
+            outlook.before,
+            steps.task.astype(np.int32),
+            outlook.share.astype(np.float32),
+            steps.fixed,
+        )
+        cell: Arrays = {}
+        for (name, shape), part in zip(lengths.items(), parts, strict=True):
+            dtype = np.float16 if part.dtype == np.float32 else part.dtype
+            cell[name] = np.zeros((*shape, *part.shape[len(shape) :]), dtype)
+            cell[name][tuple(map(slice, part.shape))] = part
+        return cls(label, cell, np.cumsum([0, *label.sizes]), size)
+
+
+def batch(pool: Sequence[Sequence[Seen]], rng: np.random.Generator, cells: int) -> Arrays:
+    """So many cells of one size, drawn evenly, and some decisions of each.
+
+    Args:
+      pool: for each of `SIZES` the cells of that size.
+
+    Returns:
+      of the cells `tasks`, `operators`, `pairs`, `before`, `step task`, `step share`, `step fixed`,
+      padded; of the choices `seen` `[R, FEATURES]`, `cell`, `row`, `decision` `[R]` and `loss`;
+      rows of padding belong to the decision behind the last.
+    """
+    counts = np.array([len(one) for one in pool])
+    mine = pool[int(rng.choice(len(pool), p=counts / counts.sum()))]
+    drawn = [mine[at] for at in rng.integers(len(mine), size=cells)]
+    rows = cells * DECISIONS * CHOICES
+    found: Arrays = {
+        "seen": np.zeros((rows, FEATURES), np.float32),
+        "cell": np.zeros(rows, np.int32),
+        "row": np.zeros(rows, np.int32),
+        "loss": np.zeros(rows, np.float32),
+        "decision": np.full(rows, cells * DECISIONS, np.int32),
+    }
+    begin = count = 0
+    picks = [rng.integers(len(one.label.sizes), size=DECISIONS) for one in drawn]
+    # turn by turn, so that what does not fit is not that of the last cells
+    for turn in range(DECISIONS):
+        for place, one in enumerate(drawn):
+            at = picks[place][turn]
+            span = slice(one.at[at], one.at[at + 1])
+            end = begin + int(span.stop - span.start)
+            if end > rows:
+                break
+            found["seen"][begin:end] = one.label.seen[span]
+            found["row"][begin:end] = one.label.rows[span]
+            found["loss"][begin:end] = one.label.losses[span]
+            found["cell"][begin:end] = place
+            found["decision"][begin:end] = count
+            begin, count = end, count + 1
+    for name in drawn[0].cell:
+        found[name] = np.stack([one.cell[name] for one in drawn])
+        if found[name].dtype == np.float16:
+            found[name] = found[name].astype(np.float32)
+    return found
