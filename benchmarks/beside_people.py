@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import shutil
 import sys
 import time
@@ -341,6 +342,16 @@ def seconds_of(results: dict[str, Any], tasks: int, cell: int, people: str, who:
     return None if found is None else np.array([found["makespans"]])
 
 
+def played(results: dict[str, Any], settings: Settings, who: str) -> bool:
+    """Whether there is anything of it: who never played has no column."""
+    return any(
+        seconds_of(results, tasks, cell, people, who) is not None
+        for tasks in settings.sizes
+        for cell in range(settings.cells)
+        for people in PEOPLE
+    )
+
+
 def difference(
     results: dict[str, Any], settings: Settings, tasks: int, people: str, who: str
 ) -> dict[str, Any] | None:
@@ -392,7 +403,7 @@ def contestants(settings: Settings) -> list[str]:
 def tables(document: dict[str, Any]) -> Iterator[str]:
     """The Markdown lines: differences, then times and trainings."""
     settings, results = Settings.told(document["settings"]), document["results"]
-    others = contestants(settings)
+    others = [who for who in contestants(settings) if played(results, settings, who)]
     yield "| tasks | people | cells | `response` [s] | " + " | ".join(map(title, others)) + " |"
     yield "|---|---|---|---|" + "---|" * len(others)
     for tasks in settings.sizes:
@@ -498,6 +509,7 @@ def main() -> int:
             "settings": asdict(settings),
             "steps_per_ms": Options.steps_per_ms,
             "versions": versions(),
+            "load": round(os.getloadavg()[2], 1),
             "results": work_off(
                 settings, asked.folder, asked.minutes,
                 lambda line: print(line, file=sys.stderr, flush=True),
