@@ -2,7 +2,7 @@
 and 50 tasks, the same episodes for all of them.
 
     python benchmarks/beside_people.py [--sizes 20 30 50] [--cells 5] [--seeds 5] [--episodes 200]
-        [--minutes 60] [-o benchmarks/results/beside_people.json]
+        [--recipes response tandem] [--minutes 60] [-o benchmarks/results/beside_people.json]
     python benchmarks/beside_people.py --show benchmarks/results/beside_people.json
 
 Random layered cells of one robot and one human, seeds 0, 1, ... `response` is trained beside the
@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import shutil
 import sys
 import time
@@ -82,6 +83,7 @@ class Settings:
       sizes: tasks of the cells. `cells`, `seeds`: so many of each, from seed 0 on.
       training: steps of a training, as a share of the recipe `response`'s own.
       episodes: of learners and rules. `planned`: of re-planning by budget, ms -> episodes.
+      recipes: of the learners, `REFERENCE` first.
     """
 
     sizes: tuple[int, ...] = (20, 30, 50)
@@ -90,6 +92,17 @@ class Settings:
     training: float = 1.0
     episodes: int = 200
     planned: tuple[tuple[int, int], ...] = ((50, 200), (500, 200))
+    recipes: tuple[str, ...] = LEARNERS
+
+    @classmethod
+    def told(cls, document: dict[str, Any]) -> Settings:
+        """As a result file holds them, where tuples are lists."""
+        lists = {
+            key: tuple(map(tuple, value)) if key == "planned" else tuple(value)
+            for key, value in document.items()
+            if isinstance(value, list | tuple)
+        }
+        return cls(**document | lists)
 
 
 @dataclass(frozen=True)
@@ -121,7 +134,7 @@ def jobs(settings: Settings) -> Iterator[Job]:
             for people in PEOPLE:
                 yield from (Job(tasks, cell, rule, people) for rule in RULES)
                 yield from (Job(tasks, cell, one, people, budgets[0]) for one in PLANNERS)
-            for recipe in LEARNERS[1:]:
+            for recipe in settings.recipes[1:]:
                 yield from (Job(tasks, cell, what) for what in (f"train-{recipe}", recipe))
     for budget in budgets[1:]:
         for tasks in settings.sizes:
@@ -329,6 +342,16 @@ def seconds_of(results: dict[str, Any], tasks: int, cell: int, people: str, who:
     return None if found is None else np.array([found["makespans"]])
 
 
+def played(results: dict[str, Any], settings: Settings, who: str) -> bool:
+    """Whether there is anything of it: who never played has no column."""
+    return any(
+        seconds_of(results, tasks, cell, people, who) is not None
+        for tasks in settings.sizes
+        for cell in range(settings.cells)
+        for people in PEOPLE
+    )
+
+
 def difference(
     results: dict[str, Any], settings: Settings, tasks: int, people: str, who: str
 ) -> dict[str, Any] | None:
@@ -374,15 +397,13 @@ def shares(rng: np.random.Generator, draws: int, number: int) -> Any:
 def contestants(settings: Settings) -> list[str]:
     """All but the reference, as the tables name them."""
     planners = [f"{one} {budget} ms" for budget, _ in settings.planned for one in PLANNERS]
-    return [*LEARNERS[1:], *planners, *RULES]
+    return [*settings.recipes[1:], *planners, *RULES]
 
 
 def tables(document: dict[str, Any]) -> Iterator[str]:
     """The Markdown lines: differences, then times and trainings."""
-    told = dict(document["settings"])
-    told["sizes"], told["planned"] = tuple(told["sizes"]), tuple(map(tuple, told["planned"]))
-    settings, results = Settings(**told), document["results"]
-    others = contestants(settings)
+    settings, results = Settings.told(document["settings"]), document["results"]
+    others = [who for who in contestants(settings) if played(results, settings, who)]
     yield "| tasks | people | cells | `response` [s] | " + " | ".join(map(title, others)) + " |"
     yield "|---|---|---|---|" + "---|" * len(others)
     for tasks in settings.sizes:
@@ -410,7 +431,7 @@ def tables(document: dict[str, Any]) -> Iterator[str]:
             continue
         spent = ", ".join(
             f"`{recipe}` {np.mean([s for f in mine for s in f['cpu_s']]):.0f}"
-            for recipe in LEARNERS
+            for recipe in settings.recipes
             if (mine := [one for file, one in files.items() if file.endswith(f"train-{recipe}")])
         )
         times = " | ".join(time_words(files, who) for who in (REFERENCE, *others))
@@ -462,6 +483,10 @@ def main() -> int:
         metavar=("AT_50_MS", "AT_500_MS"), help="episodes of re-planning at its two budgets",
     )  # fmt: skip
     parser.add_argument(
+        "--recipes", nargs="+", choices=LEARNERS, default=plain.recipes,
+        help=f"of the learners; {REFERENCE} is always one",
+    )  # fmt: skip
+    parser.add_argument(
         "--training", type=float, default=plain.training, help="share of `response`'s own steps"
     )
     parser.add_argument("--minutes", type=float, default=1e9, help="begin no job after these")
@@ -477,12 +502,14 @@ def main() -> int:
         settings = Settings(
             tuple(asked.sizes), asked.cells, asked.seeds, asked.training, asked.episodes,
             tuple(zip(budgets, asked.planned, strict=True)),
+            tuple(one for one in LEARNERS if one in {REFERENCE, *asked.recipes}),
         )  # fmt: skip
         document = {
             "benchmark": "beside_people",
             "settings": asdict(settings),
             "steps_per_ms": Options.steps_per_ms,
             "versions": versions(),
+            "load": round(os.getloadavg()[2], 1),
             "results": work_off(
                 settings, asked.folder, asked.minutes,
                 lambda line: print(line, file=sys.stderr, flush=True),

@@ -108,10 +108,7 @@ def kept() -> dict[str, Any]:
 
 def test_the_kept_result_is_whole(kept: dict[str, Any]) -> None:
     """Each of its jobs is one of its settings, with as many episodes and seeds as they say."""
-    told = kept["settings"]
-    settings = Settings(
-        **told | {"sizes": tuple(told["sizes"]), "planned": tuple(map(tuple, told["planned"]))}
-    )
+    settings = Settings.told(kept["settings"])
     known = {job.file: job for job in jobs(settings)}
     planned = dict(settings.planned)
     assert kept["results"]

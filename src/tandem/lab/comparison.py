@@ -182,7 +182,13 @@ STYLE = """
 .figures figure { margin: 0; break-inside: avoid; }
 .figures img { width: 100%; height: auto; max-height: 32rem; object-fit: contain;
   object-position: left top; }
-.matrix td { max-width: 12rem; overflow-wrap: anywhere; }
+.matrix td { max-width: 12rem; overflow-wrap: break-word; hyphens: auto; }
+.findings td:last-child { max-width: 28rem; overflow-wrap: anywhere; }
+@media (max-width: 60rem) {
+  .matrix table { font-size: .85rem; }
+  .matrix th, .matrix td { padding-right: .4rem; }
+  .matrix tbody th { min-width: 0; }
+}
 /* The widest table has a dozen columns: as narrow as their words on a screen, which scrolls when
    that is not enough; on paper nothing scrolls. */
 .wide table { font-size: .93rem; }
@@ -247,7 +253,7 @@ def _findings(shown: Sequence[Shown]) -> Markup:
             " whether they move says something.",
             class_="note",
         ),
-        tag("div", table(heads, rows, "Published, and rebuilt here"), class_="matrix"),
+        tag("div", table(heads, rows, "Published, and rebuilt here"), class_="matrix findings"),
         class_="page",
     )
 

@@ -34,6 +34,7 @@ AGENTS = ("robot", "human")
 WINDOW = 30
 """Episodes of the sliding mean, as the thesis has it."""
 STAGES = (("end of stage 1", 800), ("end of stage 2", 1300))
+REWARD_TICKS = (-5000, -2000, -1000, -500, -200, 0)
 Records = Sequence[Mapping[str, Any]]
 
 
@@ -88,6 +89,8 @@ def training(runs: Records) -> Figure:
 
 def _watch(ax: Axes, record: Mapping[str, Any], agent: int) -> None:
     """One agent of one run, as the toolbox's training monitor shows it."""
+    from matplotlib.ticker import NullLocator
+
     paid, thought = (
         [pair[agent] for pair in record["every_episode"][name]]
         for name in ("returns", "first_value")
@@ -100,6 +103,9 @@ def _watch(ax: Axes, record: Mapping[str, Any], agent: int) -> None:
         ax.axvline(where, color=FAINT_INK, lw=0.8, ls=(0, (2, 3)), zorder=0)
     # the first episodes cost thousands: on a plain axis all later ones would be one line
     ax.set_yscale("symlog", linthresh=500)
+    ax.set_yticks(REWARD_TICKS, [f"{tick:,}" for tick in REWARD_TICKS])
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.set_ylim(1.15 * min(paid), max(100, *paid, *thought))
     ax.set_ylabel("reward")
     ax.grid(True, color=RULE, lw=0.6)
     ax.spines[["top", "right"]].set_visible(False)

@@ -273,17 +273,18 @@ def _walk(
     ends: Mapping[_State, Mapping[tuple[int, int], int]],
 ) -> Iterator[tuple[int, int]]:
     """Joint actions from the state to the end, of largest return, in so many ticks, with this
-    stress and so many illegal actions.
+    stress and so many illegal actions. Of those that do as well the one after which more agents
+    work: waiting costs nothing here, and a schedule that waits for no reason shows nobody anything.
     """
     while state != process.done:
-        for move in process.moves(state):
-            rest = (
-                ends[move.after].get((ticks - 1, stress - move.stress))
-                if move.after != state
-                else None
-            )
-            if rest == illegal - move.illegal and move.paid + best[move.after] == best[state]:
-                break
+        fitting = [
+            move
+            for move in process.moves(state)
+            if move.after != state
+            and move.paid + best[move.after] == best[state]
+            and ends[move.after].get((ticks - 1, stress - move.stress)) == illegal - move.illegal
+        ]
+        move = max(fitting, key=lambda one: sum(task >= 0 for task in one.after.doing))
         yield move.action
         state, ticks, stress, illegal = (
             move.after,

@@ -44,7 +44,7 @@ OURS = replace(
     noise_in_targets=True,
 )
 """The same two actors and shared critic. Returns over four steps, no discount, actors that learn
-from the critic's value of each candidate, four candidates, targets that do not choose for
+from the critic's value of each candidate, five candidates, targets that do not choose for
 themselves (double), rates that fall; where there is noise, it is in the critic's targets too.
 """
 
