@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests import limited
 
-from tandem.cell.burdens import adds_up
+from tandem.cell.measures import adds_up
 from tandem.errors import CellError
 from tandem.files.lot import lot
 from tandem.files.validate import cell_of

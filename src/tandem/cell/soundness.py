@@ -540,7 +540,7 @@ def assessments_can_be_scored(cell: Fields) -> Iterator[Fault]:
 def limits_can_be_kept(cell: Fields) -> Iterator[Fault]:
     """`limits` stand at humans, and name measures that every plan and decision can keep."""
     if any(operator.limits for operator in cell.operators.values()):
-        from tandem.cell.burdens import faults
+        from tandem.cell.measures import faults
 
         yield from faults(cell)
 

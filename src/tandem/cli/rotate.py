@@ -16,7 +16,7 @@ from tandem.cli.stored import holds_cycles, is_plan, stored_plan
 from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
 
 if TYPE_CHECKING:
-    from tandem.cell.burdens import Measure
+    from tandem.cell.measures import Measure
     from tandem.cell.model import Cell
     from tandem.plan.rotation import Rotated
     from tandem.schedule.model import Schedule

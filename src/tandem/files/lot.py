@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from tandem.cell.burdens import adds_up
+from tandem.cell.measures import adds_up
 from tandem.cell.model import Cell
 from tandem.cell.names import clean
 from tandem.cell.parts import Fields, Operator, Tool, Zone

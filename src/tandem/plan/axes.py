@@ -27,7 +27,8 @@ from typing import Any, TypeVar
 
 from ortools.sat.python import cp_model
 
-from tandem.cell.burdens import Measure, costs, named
+from tandem.cell.burdens import costs, named
+from tandem.cell.measures import Measure
 from tandem.cell.model import Cell, plain
 from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cpsat import SOLVER, Decisions, formulate

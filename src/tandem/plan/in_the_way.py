@@ -12,7 +12,7 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from tandem.cell.burdens import OWN
+from tandem.cell.measures import OWN
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan import exact

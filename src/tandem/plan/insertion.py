@@ -74,7 +74,7 @@ class Insertion:
         self.layout, self.moves = layout, moves
         self.parts = parts(layout, moves)
         tasks, ways = len(layout.steps), len(self.parts.ticks)
-        resources, allowances = _count(layout.instance), len(self.parts.most)
+        resources, allowances = count_of_resources(layout.instance), len(self.parts.most)
 
         def plan() -> Any:
             return moves.Plan(*(np.full(tasks, -1, np.int64) for _ in range(4)))
@@ -230,7 +230,7 @@ def _offsets(rows: Sequence[Sequence[Any]]) -> Any:
     return np.array([0, *accumulate(map(len, rows))], np.int64)
 
 
-def _count(instance: Instance) -> int:
+def count_of_resources(instance: Instance) -> int:
     """How many resources there are at most, see `_resources`."""
     return len(instance.operators) + len(instance.zones) + len(instance.tools)
 

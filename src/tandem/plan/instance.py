@@ -12,7 +12,7 @@ from functools import cached_property
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from tandem.cell.burdens import OWN
+from tandem.cell.measures import OWN
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode, Tool, Zone
 from tandem.cell.precedence import between

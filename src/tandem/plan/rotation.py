@@ -17,8 +17,8 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from tandem.cell.burdens import Measure
 from tandem.cell.crew import Person
+from tandem.cell.measures import Measure
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError, UnsoundScheduleError
 from tandem.plan.axes import LARGEST

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from tandem.cell.burdens import OWN, named, worth
+from tandem.cell.burdens import named, worth
+from tandem.cell.measures import OWN
 from tandem.cell.model import Cell
 from tandem.draw.style import looks
 from tandem.report.language import Words

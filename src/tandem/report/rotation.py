@@ -13,8 +13,9 @@ from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tandem.cell.burdens import Measure, worth
+from tandem.cell.burdens import worth
 from tandem.cell.crew import Person
+from tandem.cell.measures import Measure
 from tandem.cell.model import plain
 from tandem.cell.names import Known
 from tandem.errors import UsageError

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, Decimal
 from functools import cached_property
 
-from tandem.cell.burdens import adds_up
+from tandem.cell.measures import adds_up
 from tandem.cell.model import Cell
 from tandem.schedule import measures
 from tandem.schedule.measures import exact

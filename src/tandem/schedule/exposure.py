@@ -26,7 +26,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
-from tandem.cell.burdens import OWN, Measure, costs, named, number_in
+from tandem.cell.burdens import costs, named
+from tandem.cell.measures import OWN, Measure, number_in
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
 from tandem.errors import UsageError

@@ -23,8 +23,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
 
-from tandem.cell.burdens import OWN, Measure, cost, named, worth
+from tandem.cell.burdens import named, worth
 from tandem.cell.crew import Crew, Person
+from tandem.cell.measures import OWN, Measure, cost
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
 from tandem.errors import Fault, UsageError

@@ -14,7 +14,7 @@ from functools import cached_property
 from itertools import accumulate
 from typing import Any, NamedTuple
 
-from tandem.cell.burdens import OWN
+from tandem.cell.measures import OWN
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.plan.bounds import WorkPrices

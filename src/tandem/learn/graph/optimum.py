@@ -20,7 +20,7 @@ from numba import njit
 from tandem.learn.graph.candidates import Making
 from tandem.learn.graph.outlook import Outlook
 from tandem.plan import insertion_moves
-from tandem.plan.insertion import knows, parts
+from tandem.plan.insertion import count_of_resources, knows, parts
 from tandem.plan.insertion_moves import Parts
 
 MOST_LEFT = 60
@@ -66,7 +66,7 @@ class Search:
         layout = outlook.layout
         self.outlook = outlook
         self.parts: Parts = parts(layout, insertion_moves)
-        price = np.zeros(len(self.parts.limit))
+        price = np.zeros(count_of_resources(layout.instance))
         price[: len(outlook.price)] = outlook.price
         self.bounds = Bounds(
             price,
@@ -107,7 +107,7 @@ class Search:
     def _start(self, making: Making) -> Start:
         state = making.state
         instance = state.instance
-        free = np.zeros(len(self.parts.limit), np.int64)
+        free = np.zeros(count_of_resources(instance), np.int64)
         operators = len(state.free)
         free[:operators] = state.free
         for zone, places in enumerate(state.zone_free):
