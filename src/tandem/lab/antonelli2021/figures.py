@@ -125,9 +125,21 @@ def precision(rows: list[Mapping[str, Any]]) -> Figure:
         ax.set(xscale="log", yscale="log", xlabel="updates")
         ax.set_title(f"p = {p:g}", loc="left", fontsize=11)
         _plain(ax)
+        # the first panel's legend serves all but the ways that are of this p alone
+        only_here = [line for line in ax.get_lines() if line.get_label() in own_ways(rows, p)]
+        if only_here:
+            ax.legend(handles=only_here, frameon=False, fontsize=8, loc="lower left")
     panels[0].set_ylabel("largest difference from the exact value, s")
     panels[0].legend(frameon=False, fontsize=8, loc="upper right")
     return figure
+
+
+def own_ways(rows: list[Mapping[str, Any]], p: float) -> set[str]:
+    """The ways of learning that were tried at this p and not at the first."""
+    first = rows[0]["p"]
+    return {row["way"] for row in rows if row["p"] == p} - {
+        row["way"] for row in rows if row["p"] == first
+    }
 
 
 def _players(found: Mapping[str, Any]) -> list[str]:
