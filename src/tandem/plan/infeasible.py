@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -20,10 +19,12 @@ from tandem.plan import exact
 from tandem.plan.least_limits import first_schedule, least_limit
 from tandem.plan.question import Question
 from tandem.schedule.measures import exact as exact_number
-from tandem.schedule.said import said
+from tandem.schedule.said import Said, said
 
-in_words = partial(said, package="tandem.plan")
-"""A sentence, or a part of one, that can be said in other languages too."""
+
+def in_words(key: str, **values: object) -> Said:
+    """A sentence, or a part of one, that can be said in other languages too."""
+    return said(key, "tandem.plan", **values)
 
 
 def _and(names: Sequence[str]) -> str:

@@ -24,7 +24,7 @@ class Said(str):
     package: str
 
 
-def said(key: str, /, *, package: str = PACKAGE, **values: object) -> Said:
+def said(key: str, package: str = PACKAGE, /, **values: object) -> Said:
     """The sentence of a key among the words of a package.
 
     A Decimal is a number, a tuple of names or numbers a list of them; a tuple of tuples, names of
