@@ -344,7 +344,10 @@ def test_every_rule_has_been_seen_to_fire():
     cells.append(
         (
             gearbox(
-                operators={**GEARBOX["operators"], "anna": {"kind": "human", "stress_limit": 0}}
+                operators={
+                    **GEARBOX["operators"],
+                    "anna": {"kind": "human", "stress_limit": 0, "limits": {"peak:stress": 0}},
+                }
             ),
             gearbox_schedule(),
         )

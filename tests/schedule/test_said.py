@@ -84,7 +84,7 @@ def disturbed() -> Iterator[tuple[str, str]]:
         if name == "press":
             cell = cell.replace(zones={"press bed": {"apart": ["human", "robot"]}})
         people = {
-            who: operator.model_copy(update={"stress_limit": 1.0})
+            who: operator.model_copy(update={"stress_limit": 1.0, "limits": {"peak:stress": 0.5}})
             for who, operator in cell.operators.items()
             if operator.kind == "human"
         }
@@ -107,7 +107,8 @@ def test_waits_tools_zones_walks_and_limits_are_said_in_german_too() -> None:
     found = dict(disturbed())
     keys = {getattr(english, "key", english) for english in found}
     wanted = {
-        "wait.least", "wait.most", "ready.late", "tool.one", "zone.one", "apart", "hold.busy",
+        "wait.least", "wait.most", "ready.late", "limits.person",
+        "tool.one", "zone.one", "apart", "hold.busy",
         "stress.person", "pair", "limit.makespan", "limit.stress",
     }  # fmt: skip
     assert wanted <= keys

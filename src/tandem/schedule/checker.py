@@ -454,9 +454,13 @@ def limits_of_a_person_are_kept(judged: Judged) -> Iterator[str]:
                     f"{task!r} {_short(value * per_shift)}"
                     for value, task in sorted(values, reverse=True)[:3]
                 )
-                yield (
-                    f"operator {name!r}: comes to {_short(total)} of {key}, the limit is"
-                    f" {num(limit)} (most from {hardest})."
+                yield said(
+                    "limits.person",
+                    operator=name,
+                    total=_short(total),
+                    measure=key,
+                    limit=limit,
+                    hardest=hardest,
                 )
 
 

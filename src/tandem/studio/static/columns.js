@@ -27,8 +27,8 @@ function withField(task, key, value) {
   return /** @type {Task} */ (value === undefined || value === "" ? rest : key in task ? { ...task, [key]: value } : { ...rest, [key]: value });
 }
 
-/** What each one has, as one writes it by hand: "anna: 2; ben: 3.5". */
-const EACH = /^\s*[^:;{}[\]"]+:[^:;{}[\]"]+(;[^:;{}[\]"]+:[^:;{}[\]"]+)*;?\s*$/;
+/** What each one has, as one writes it by hand: "anna: 2; ben: 3.5", "peak:reba: 7". */
+const EACH = /^\s*[^;{}[\]"]+:[^:;{}[\]"]+(;[^;{}[\]"]+:[^:;{}[\]"]+)*;?\s*$/;
 
 /** @param {unknown} value @returns {string} a value as one writes it by hand. */
 export function plain(value) {
@@ -41,8 +41,8 @@ export function plain(value) {
 /** @param {string} text @returns {unknown} what each one has, or JSON where it is some, else a number or the text. */
 export function dataOr(text) {
   if (EACH.test(text)) {
-    const each = text.split(";").filter((one) => one.trim()).map((one) => one.split(":"));
-    return Object.fromEntries(each.map(([name, value]) => [name.trim(), numberOr(value)]));
+    const each = text.split(";").filter((one) => one.trim());
+    return Object.fromEntries(each.map((one) => [one.slice(0, one.lastIndexOf(":")).trim(), numberOr(one.slice(one.lastIndexOf(":") + 1))]));
   }
   if (/^\s*[[{]/.test(text)) {
     try {

@@ -14,7 +14,7 @@ import { html, observed, signal } from "./view.js";
 
 const KINDS = ["human", "robot", "machine"];
 /** Keys of an operator beside its kind. */
-const FIELDS = /** @type {const} */ ({ label: "text", breaks: "spans", setup: "number", stress_limit: "number", tool: "text", place: "text", holds: "pairs" });
+const FIELDS = /** @type {const} */ ({ label: "text", breaks: "spans", setup: "number", stress_limit: "number", limits: "data", tool: "text", place: "text", holds: "pairs" });
 const KEYS = /** @type {(keyof typeof FIELDS)[]} */ (Object.keys(FIELDS));
 
 /** The name of the operator that is about to be added. */

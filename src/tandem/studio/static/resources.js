@@ -29,7 +29,7 @@ const GROUPS = [
   { key: "variants", fields: { share: "number", tasks: "data" } },
 ];
 /** Keys of the cell that are one value. @type {Record<string, KindName>} */
-const RULES = { name: "text", same_operator: "pairs", stress_of_set: "data" };
+const RULES = { name: "text", same_operator: "pairs", stress_of_set: "data", cycles_per_shift: "number" };
 /** @type {Record<string, KindName>} */
 const COST = { operators: "data", station: "number", invest: "number", hours: "number" };
 
