@@ -40,7 +40,8 @@ UNLIKE_PROSE = {
     ),
     "two blanks in a sentence": r"^(?!.*\S {2,}\S.* {2,}\S)\S.*[a-z,;.:]  [a-z].*\.$",
     "two marks": r",,|;;|[,;]\.|\.{4}",
-    "a number with a tail of digits": r"\d\.\d{7,}",
+    # damage, such as 0.0000028, has zeros before its digits
+    "a number with a tail of digits": r"(?<![\d.])(?!0\.0+[1-9]\d{0,5}(?!\d))\d+\.\d{7,}",
 }
 
 

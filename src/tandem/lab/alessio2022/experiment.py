@@ -30,7 +30,14 @@ if TYPE_CHECKING:
 STORED = "alessio2022.json"
 SEEDS, UPDATES = 10, 60
 GRIDS: dict[str, tuple[str, ...]] = {
-    "crossing": (PLAIN, ADVERSARIAL, *DESCRIBED),
+    "crossing": (
+        PLAIN,
+        "plain: human with a random goal",
+        ADVERSARIAL,
+        "adversarial, share 0 %",
+        "adversarial, share 100 %",
+        *DESCRIBED,
+    ),
     "crossing-12": (),
 }
 """Grid -> what is trained on it, names in `TRAININGS`. The large one has exact values only: a
