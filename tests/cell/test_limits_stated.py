@@ -21,11 +21,11 @@ def said(data: dict) -> str:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("peak:rebba", "no task of the cell has a value on the scale 'rebba'.*state `ergonomics`"),
+        ("peak:rebba", "no task of the cell has a value on the scale 'rebba'.*State `ergonomics`"),
         ("pek:reba", "no measure 'pek:reba'. Did you mean 'peak'?"),
         ("stress", "'stress' has a key of its own. Write `stress_limit: MOST`"),
         ("worst:stress", "leave out `worst:`"),
-        ("time-weighted:reba", "falls by waiting alone. Limit peak:reba"),
+        ("time-weighted:reba", "falls by waiting alone. Take peak:reba"),
         ("fatigue:reba:0.1:0.2", "cannot be kept live.*--limit fatigue:reba:0.1:0.2=MOST"),
         ("dose:reba", "ranks are not added"),
         ("time-above:reba", "write it as time-above:SCALE:LEVEL"),

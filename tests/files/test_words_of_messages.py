@@ -161,6 +161,24 @@ UNFIT = {
             },
         }
     },
+    "limits_can_be_kept": {
+        "operators": {
+            "h": {
+                "kind": "human",
+                "limits": {
+                    "peak:raba": 3,
+                    "stress": 5,
+                    "worst:peak:stress": 3,
+                    "time-weighted:stress": 2,
+                    "fatigue:stress:1:1": 0.5,
+                    "dose:stress": 9,
+                    "peak:stress": 3,
+                    "peek:stress": 3,
+                },
+            },
+            "r": {"kind": "robot", "limits": {"peak:stress": 3}},
+        }
+    },
     "invested_money_is_spread_over_hours": {"cost": {"invest": 9000}},
     "operators_are_known": {"tasks": {"a": {"time": {"q": 1}}}},
     "names_can_be_told_apart": {"tasks": {"a": {"time": {"h": 1}}, "\u0430": {"time": {"h": 1}}}},

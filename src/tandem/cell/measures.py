@@ -105,7 +105,7 @@ def _fits(name: str, what: str, scale: str, known: Sequence[str]) -> None:
         told = ", ".join(known)
         raise UsageError(
             f"measure {name!r}: no task of the cell has a value on the scale {scale!r}. It has"
-            f" {told}; state `ergonomics` of its tasks."
+            f" {told}. State `ergonomics` of its tasks to have more."
         )
     is_dose = scale == OWN or kind(scale) == "dose"
     if what == "dose" and not is_dose:
@@ -197,7 +197,7 @@ def _of_operator(
             yield Fault(f"operator {who!r}: limits: {name!r} {why}", path)
         elif measure.what == "dose" and cell.cycles_per_shift is None:
             yield Fault(
-                f"operator {who!r}: limits has {name!r}, and a dose is that of a shift. Say how"
+                f"operator {who!r}: limits has {name!r}, and a dose is that of a shift. State how"
                 " many products a shift makes: `cycles_per_shift: 400`, beside `operators`.",
                 path,
             )
@@ -211,13 +211,13 @@ def _unkeepable(measure: Measure) -> str | None:
         return "has a key of its own. Write `stress_limit: MOST` instead."
     if measure.what == "time-weighted":
         return (
-            "cannot be a limit: a mean over time falls by waiting alone. Limit"
+            "cannot be a limit: a mean over time falls by waiting alone. Take"
             f" peak:{measure.scale} or time-above:{measure.scale}:LEVEL."
         )
     if measure.what not in KEEPABLE:
         return (
-            "cannot be kept live: it depends on rest that is still to come. Limit it in planning,"
-            f" `tandem plan --limit {measure.name}=MOST`, or state a limit of peak:{measure.scale}"
-            f" or time-above:{measure.scale}:LEVEL."
+            "cannot be kept live: it depends on rest that is still to come. Take"
+            f" `tandem plan --limit {measure.name}=MOST`, or a limit of peak:{measure.scale}"
+            f" or time-above:{measure.scale}:LEVEL here."
         )
     return None
