@@ -239,7 +239,8 @@ def bound_of(header: str) -> str:
     "" where it does no such thing.
     """
     text, unit = split_unit(clean(header))
-    measures, rest = _measures(text)
+    # what stands in brackets is a unit, or meant to be one
+    measures, rest = _measures(re.sub(r"[\[(][^\])]*[\])]", " ", text))
     names = [word for word in rest if not BOUNDS.fullmatch(key(word))]
     if len(names) == len(rest) or not measures <= {"time"} or (unit is None and not measures):
         return ""
