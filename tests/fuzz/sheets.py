@@ -199,7 +199,7 @@ def judged(
     for key in ("stress_of_set", "same_operator"):
         data.pop(key, None)
     for name, operator in data["operators"].items():
-        for key in ("breaks", "stress_limit"):
+        for key in ("breaks", "stress_limit", "limits"):
             operator.pop(key, None)
         if "setup" in operator:
             operator["setup"] = took(operator["setup"], name, "")
@@ -217,7 +217,7 @@ def judged(
     for a in schedule:
         task, length = data["tasks"][a.task], float(done[a.task].end - done[a.task].start)
         tools = dict(cell.tools_for(a.task, a.operators))
-        for key in ("deadline", "together", "time", "stress", "difficulty", "tool"):
+        for key in ("deadline", "together", "time", "stress", "difficulty", "tool", "ergonomics"):
             task.pop(key, None)
         for wait in task.get("wait", ()):
             wait.pop("at_most", None)  # no sheet can force it on who is slow

@@ -313,8 +313,8 @@ def judged(cell: Cell, shift: list[Assignment]) -> list[str]:
     """
     document = copied(cell.replace(stress_of_set=None), PRODUCTS).to_dict()
     for operator in document["operators"].values():
-        operator.pop("stress_limit", None)
-        operator.pop("breaks", None)
+        for key in ("stress_limit", "limits", "breaks"):
+            operator.pop(key, None)
     for a in shift:
         task = document["tasks"][a.task]
         task["tool"] = dict(cell.tools_for(a.task.rpartition(" #")[0], a.operators))
@@ -322,6 +322,7 @@ def judged(cell: Cell, shift: list[Assignment]) -> list[str]:
             wait.pop("at_most", None)
         task.pop("together", None)
         task.pop("stress", None)
+        task.pop("ergonomics", None)
         span = float(exact(a.end) - exact(a.start))
         alone = len(a.operators) == 1
         task["time"] = {a.operators[0]: span} if alone else {}
