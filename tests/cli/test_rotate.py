@@ -53,6 +53,15 @@ def test_the_document_keeps_its_schema_and_files_say_the_same(plan, tmp_path, ca
     ]
 
 
+@pytest.mark.parametrize(("asked", "made"), [([], 200), (["--cycles", "100"], 100)])
+def test_the_products_of_a_shift_are_those_that_the_cell_states(asked, made, tmp_path, capsys):
+    cell = tmp_path / "cell.yaml"
+    cell.write_text(f"cycles_per_shift: 200\n{Path(CELL).read_text()}")
+    assert run(["rotate", str(cell), "--people", PEOPLE, "--json", *asked]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert sum(period["products"] for period in document["periods"]) == made
+
+
 def test_it_speaks_german(plan, capsys):
     assert run(["rotate", plan, "--people", PEOPLE, "--lang", "de"]) == 0
     shown = capsys.readouterr().out

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import sys
+from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,7 +51,10 @@ MOST_PERIODS = 48
 @click.option(
     "--cycles",
     type=click.IntRange(1),
-    help="Products a shift, spread over the periods; as many as fit when absent.",
+    help=(
+        "Products a shift, spread over the periods; when absent those that the cell states"
+        " (cycles_per_shift), else as many as fit."
+    ),
 )
 @click.option(
     "--measure",
@@ -122,6 +126,8 @@ def rotate_command(
         report.check(output)
     file = load_crew(people_file)
     cell, schedule, each_s = _planned(source, point, time_limit, seed, lang)
+    if cycles is None and cell.cycles_per_shift is not None:
+        cycles = ceil(cell.cycles_per_shift)
     shift = Shift(
         cell, schedule, _periods(file.crew.minutes, periods, hours, each_s, cycles), file.crew,
         each_s,

@@ -86,9 +86,12 @@ class Search:
         self, making: Making, rows: np.ndarray, starts: np.ndarray, most: float, nodes: int
     ) -> np.ndarray | None:
         """`[K]` ticks that each choice loses against the best one; `inf` where it is more than
-        `most`. None when that takes more than `nodes` nodes in all.
+        `most`. None when that takes more than `nodes` nodes in all, or more than `MOST_LEFT`
+        tasks are left.
         """
         start, found, left = self._start(making), np.full(len(rows), np.inf), nodes
+        if start.left.sum() > MOST_LEFT:
+            return None
         best = np.inf
         order = np.argsort(starts + self.parts.ticks[rows], kind="stable")
         for at in order:
