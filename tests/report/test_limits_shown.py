@@ -37,7 +37,7 @@ def test_what_is_used_is_what_the_plan_puts_on_the_person(front: Front) -> None:
     [
         ("en", ["What is used of people's limits", "A dose is that of a shift with 100 products",
                 "count nothing there, since nobody has stated one: close."]),
-        ("de", ["Ausgeschöpfte Grenzwerte", "einer Schicht mit 100 Stück",
+        ("de", ["Wie weit die Grenzen genutzt sind", "einer Schicht mit 100 Stück",
                 "weil niemand einen angegeben hat: close."]),
     ],
 )  # fmt: skip
