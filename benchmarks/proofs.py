@@ -1,12 +1,12 @@
 """What each idea brings to a proof: CP-SAT on public cells, one model and one parameter set at a
-time, from the best schedule that the archive holds.
+time, from the best schedule that the archive holds, or from that of a rule, as a search begins.
 
     python benchmarks/proofs.py --data DIR [--only NAME ...] [--models plain ...]
-        [--parameters default ...] [--work 1.2]
+        [--parameters default ...] [--begin best|rule|none] [--seeds 1] [--work 1.2]
 
 Each run has one search thread and so many of CP-SAT's deterministic seconds, which do not depend on
 what else the machine does. Prints for each model and parameter set how many were proven, and per
-instance whether, deterministic seconds, processor seconds, and the bound where it was not.
+instance and seed whether, deterministic seconds, processor seconds, and the bound where it was not.
 """
 
 from __future__ import annotations
@@ -17,17 +17,19 @@ import time
 from collections.abc import Iterable
 from itertools import pairwise, product
 from pathlib import Path
+from random import Random
 from typing import Any
 
 from ortools.sat.python import cp_model
 
 sys.path.insert(0, str(Path(__file__).parent))
-from archive import SETS, entries, unpacked
+from archive import SETS, Entry, entries, unpacked
 from tandem.cell.model import Cell
 from tandem.plan.cpsat import IMPLIED, RULES, Decisions, Rule, closure, formulate
 from tandem.plan.instance import Instance
-from tandem.plan.starts import measures
-from tandem.schedule.model import Schedule
+from tandem.plan.list_scheduling import Layout
+from tandem.plan.rules import SPECS, build
+from tandem.plan.starts import Starts, measures
 
 EIGHT = [
     *("battery_H3R4", "battery_H5R2", "battery_H5R3", "battery_H2R4", "battery_H4R3"),
@@ -124,6 +126,8 @@ def _work(plan: Decisions, operator: int, tasks: Iterable[int]) -> cp_model.Line
 PLAIN = tuple(rule for rule in RULES if rule not in IMPLIED)
 MODELS: dict[str, tuple[tuple[Rule, ...], int | None]] = {
     "plain": (PLAIN, None),
+    "plain-ends": (PLAIN, None),
+    "plain-ends-cut": (PLAIN, 0),
     "plain-cut": (PLAIN, 0),
     "plain-below": (PLAIN, -1),
     "plain-windows": ((*PLAIN, windows), None),
@@ -132,7 +136,9 @@ MODELS: dict[str, tuple[tuple[Rule, ...], int | None]] = {
     "plain-alike": ((*PLAIN, alike_in_order), None),
     "rows": (RULES, None),
     "rows-cut": (RULES, 0),
+    "rows-ends": (RULES, None),
     "rows-below": (RULES, -1),
+    "rows-ends-below": (RULES, -1),
     "rows-windows-below": ((*RULES, windows), -1),
     "rows-between-below": ((*RULES, between), -1),
     "rows-at-once-below": ((*RULES, all_at_once), -1),
@@ -176,22 +182,25 @@ def main() -> int:
     parser.add_argument(
         "--parameters", nargs="+", default=list(PARAMETERS), choices=list(PARAMETERS)
     )
+    parser.add_argument("--begin", default="best", choices=["best", "rule", "none"])
+    parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--work", type=float, default=1.2, help="deterministic seconds each")
     options = parser.parse_args()
     cells = [
-        (entry.instance, cell, unpacked(cell, entry.schedule["tasks"]))
+        (entry.instance, cell, _first(cell, entry, options.begin))
         for entry, cell, _ in entries(options.data, list(SETS), options.only)
         if entry.schedule is not None
     ]
     for model in options.models:
         for parameters in options.parameters:
             runs = [
-                (name, *proven(cell, schedule, model, parameters, options.work))
-                for name, cell, schedule in cells
+                (name, *proven(cell, starts, model, parameters, options.work, seed))
+                for name, cell, starts in cells
+                for seed in range(options.seeds)
             ]
             print(
-                f"{model} {parameters}: proven {sum(run[1] for run in runs)} of {len(runs)},"
-                f" processor {sum(run[3] for run in runs):.1f} s"
+                f"{model} {parameters} {options.begin}: proven {sum(run[1] for run in runs)} of"
+                f" {len(runs)}, processor {sum(run[3] for run in runs):.1f} s"
             )
             for name, ok, work, seconds, bound in runs:
                 left = "proven" if ok else f"bound {bound:g}"
@@ -199,22 +208,36 @@ def main() -> int:
     return 0
 
 
+def _first(cell: Cell, entry: Entry, begin: str) -> Starts | None:
+    """The schedule that a run begins with."""
+    instance = Instance.of(cell)
+    if begin == "none":
+        return None
+    if begin == "best":
+        return instance.starts(unpacked(cell, entry.schedule["tasks"]))
+    layout, random = Layout.of(instance), Random(0)
+    states = (build(layout, SPECS[rule], random) for rule in ("longest-tail", "balanced"))
+    found = [state.starts() for state in states if state is not None]
+    return min(found, key=lambda starts: measures(instance, starts)[0])
+
+
 def proven(
-    cell: Cell, schedule: Schedule, model: str, parameters: str, work: float
+    cell: Cell, starts: Starts | None, model: str, parameters: str, work: float, seed: int
 ) -> tuple[bool, float, float, float]:
     """Whether the schedule was proven optimal or a better one proven, the deterministic and the
     processor seconds, and the bound in ticks.
     """
     instance = Instance.of(cell)
-    starts = instance.starts(schedule)
     rules, beyond = MODELS[model]
-    upper = instance.horizon if beyond is None else measures(instance, starts)[0] + beyond
-    plan = formulate(instance, upper, rules)
-    if beyond is None or beyond >= 0:
+    is_wide = beyond is None or starts is None
+    upper = instance.horizon if is_wide else measures(instance, starts)[0] + beyond
+    plan = formulate(instance, upper, rules, own_ends="-ends" in model)
+    if starts is not None and (beyond is None or beyond >= 0):
         plan.hint(starts)
     plan.model.minimize(plan.makespan)
     solver = cp_model.CpSolver()
     solver.parameters.num_workers = 1
+    solver.parameters.random_seed = seed
     solver.parameters.max_deterministic_time = work
     for name, value in PARAMETERS[parameters].items():
         setattr(solver.parameters, name, value)

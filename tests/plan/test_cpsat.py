@@ -24,14 +24,22 @@ def cell(operators=TWO, tasks=None, **more) -> Cell:
 
 
 def possible(of: Cell, upper: int, *rules: cpsat.Rule, most_stress: int | None = None) -> bool:
-    """Whether these rules, and no others, leave a schedule that ends by `upper` ticks."""
-    plan = cpsat.formulate(Instance.of(of), upper, rules)
-    if most_stress is not None:
-        plan.model.add(plan.stress <= most_stress)
-    return cp_model.CpSolver().solve(plan.model) in (cp_model.OPTIMAL, cp_model.FEASIBLE)
+    """Whether these rules, and no others, leave a schedule that ends by `upper` ticks, whether ends
+    are sums or variables.
+    """
+    answers = set()
+    for own_ends in (False, True):
+        plan = cpsat.formulate(Instance.of(of), upper, rules, own_ends=own_ends)
+        if most_stress is not None:
+            plan.model.add(plan.stress <= most_stress)
+        status = cp_model.CpSolver().solve(plan.model)
+        answers.add(status in (cp_model.OPTIMAL, cp_model.FEASIBLE))
+    assert len(answers) == 1
+    return answers.pop()
 
 
-def test_deadlines_are_kept_in_a_slower_way_too():
+@pytest.mark.parametrize("own_ends", [False, True])
+def test_deadlines_are_kept_in_a_slower_way_too(own_ends):
     """Anna is slow: from 0 s she ends at 9 s, although the deadline less the cobot's time would let
     her start at 4 s.
     """
@@ -43,7 +51,7 @@ def test_deadlines_are_kept_in_a_slower_way_too():
         (cpsat.deadlines_are_kept, 1, False),
         (cpsat.predecessors_end_first, 1, True),
     ):
-        plan = cpsat.formulate(Instance.of(late), 20, [rule])
+        plan = cpsat.formulate(Instance.of(late), 20, [rule], own_ends=own_ends)
         plan.model.add(plan.chosen[0][0] == 1)
         plan.model.add(plan.start[0] == start)
         assert (cp_model.CpSolver().solve(plan.model) != cp_model.INFEASIBLE) == allowed
@@ -53,6 +61,28 @@ def test_predecessors_end_first():
     chain = cell(tasks={"a": {"time": BOTH}, "b": {"time": BOTH, "after": ["a"]}})
     assert possible(chain, 10, cpsat.predecessors_end_first)
     assert not possible(chain, 9, cpsat.predecessors_end_first)
+
+
+@pytest.mark.parametrize(("who", "ticks"), [(0, 9), (1, 5)])
+def test_an_end_is_that_of_the_way_chosen(who, ticks):
+    """As a sum and as a variable, which a hint tells, too."""
+    unlike = {"time": {"anna": 9, "cobot": 5}}
+    for own_ends in (False, True):
+        for after in (ticks - 1, ticks):
+            instance = Instance.of(cell(tasks={"a": unlike, "b": {**unlike, "after": ["a"]}}))
+            plan = cpsat.formulate(instance, 30, own_ends=own_ends)
+            plan.hint(((who, 0), (1, ticks)))
+            plan.model.add(plan.chosen[0][who] == 1)
+            plan.model.add(plan.start[0] == 0)
+            plan.model.add(plan.start[1] == after)
+            solver = cp_model.CpSolver()
+            status = solver.solve(plan.model)
+            assert (status != cp_model.INFEASIBLE) == (after == ticks)
+            assert status == cp_model.INFEASIBLE or solver.value(plan.end[0]) == ticks
+        ends = [isinstance(end, cp_model.IntVar) for end in plan.end]
+        assert ends == [own_ends, own_ends]
+        hinted = len(plan.model.proto.solution_hint.vars)
+        assert hinted == (8 if own_ends else 6)
 
 
 @pytest.mark.parametrize(

@@ -22,10 +22,11 @@ def asked(monkeypatch) -> Asked:
     found: Asked = []
     formulate = proving.formulate
 
-    def noted(instance, upper, rules):
+    def noted(instance, upper, rules, *, own_ends):
         if rules is not cpsat.ALLOCATION:
             rows = set(cpsat.IMPLIED) <= set(rules)
-            decisions = formulate(instance, upper, rules)
+            assert own_ends != rows  # the rows want sums, a plain model does without them
+            decisions = formulate(instance, upper, rules, own_ends=own_ends)
             hint = decisions.hint
             found.append((rows, False, upper - instance.horizon))
 
@@ -36,7 +37,7 @@ def asked(monkeypatch) -> Asked:
 
             decisions.hint = partial(told, len(found) - 1)
             return decisions
-        return formulate(instance, upper, rules)
+        return formulate(instance, upper, rules, own_ends=own_ends)
 
     monkeypatch.setattr(proving, "formulate", noted)
     return found

@@ -84,14 +84,22 @@ class Decisions:
         self.model.clear_hints()  # type: ignore[no-untyped-call]
         for task, (way, start) in enumerate(starts):
             self.model.add_hint(self.start[task], start)
+            if isinstance(end := self.end[task], cp_model.IntVar):
+                self.model.add_hint(end, start + self.instance.ways[task][way].ticks)
             for w, x in enumerate(self.chosen[task]):
                 if w or len(self.chosen[task]) > 1:
                     self.model.add_hint(x, w == way)
 
 
-def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = None) -> Decisions:
+def formulate(
+    instance: Instance, upper: int, rules: Iterable[Rule] | None = None, *, own_ends: bool = False
+) -> Decisions:
     """The model of the cell for schedules that end by `upper` ticks: its decisions, and every rule
     in `rules` (default: all).
+
+    With `own_ends` an end is a variable of its own, which each alternative ties to the start, so
+    that precedence lies between two variables. Else it is the start and a sum over the ways, which
+    the linear relaxation sees.
     """
     model = cp_model.CpModel()
     plan = Decisions(model, instance, upper)
@@ -109,13 +117,16 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
         )
         if len(ways) > 1:
             model.add_exactly_one(chosen)
-        # a task with one way needs no literal
+        end = _end(plan, task, start, chosen, own_ends)
         intervals = []
         for way, literal in zip(ways, chosen, strict=True):
+            # a task with one way needs no literal
             interval = (
-                model.new_optional_fixed_size_interval_var(start, way.ticks, literal, "")
-                if len(ways) > 1
-                else model.new_fixed_size_interval_var(start, way.ticks, "")
+                model.new_fixed_size_interval_var(start, way.ticks, "")
+                if len(ways) == 1
+                else model.new_optional_interval_var(start, way.ticks, end, literal, "")
+                if isinstance(end, cp_model.IntVar)
+                else model.new_optional_fixed_size_interval_var(start, way.ticks, literal, "")
             )
             intervals.append(interval)
             for operator in way.operators:
@@ -123,14 +134,7 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
         plan.start.append(start)
         plan.chosen.append(chosen)
         plan.intervals.append(intervals)
-        plan.end.append(
-            start
-            + (
-                sum(way.ticks * x for way, x in zip(ways, chosen, strict=True))
-                if len(ways) > 1
-                else ways[0].ticks
-            )
-        )
+        plan.end.append(end)
     plan.makespan = model.new_int_var(0, upper, "makespan")
     # whatever has a successor ends before it does, so the last ones are enough
     for task in range(len(instance.tasks)):
@@ -141,6 +145,25 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
     for rule in RULES if rules is None else rules:
         rule(plan)
     return plan
+
+
+def _end(
+    plan: Decisions,
+    task: int,
+    start: cp_model.IntVar,
+    chosen: Sequence[cp_model.IntVar],
+    own_ends: bool,
+) -> cp_model.LinearExprT:
+    """When the task ends; a variable where asked for and its ways take unlike times."""
+    instance, ways = plan.instance, plan.instance.ways[task]
+    quickest, slowest = min(way.ticks for way in ways), max(way.ticks for way in ways)
+    if quickest == slowest:
+        return start + quickest
+    if not own_ends:
+        return start + sum(way.ticks * x for way, x in zip(ways, chosen, strict=True))
+    first, last = instance.head[task] + quickest, plan.upper - instance.rest[task]
+    # where nothing fits, the model is false anyway
+    return plan.model.new_int_var(first, max(first, last), f"end {task}")
 
 
 def _latest_start(instance: Instance, task: int, upper: int) -> int:

@@ -18,6 +18,10 @@ LARGE = 150
 """From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and
 all cores improve.
 """
+LARGE_JOB_SHOP = 200
+"""The same where tasks have little choice: a plain model finds there what improvers do not."""
+LITTLE_CHOICE = 1.5
+"""Ways of a task, on the mean, that are little choice."""
 RELAXABLE = 1000
 """Beyond so many tasks the relaxation is left out: to state it takes seconds in which nobody can be
 interrupted, and the prices of the operators' time, which are known by then, give the same bound.
@@ -49,11 +53,11 @@ class Portfolio(Race):
         return [self._turns if work is None else partial(self._one_turn, work)]
 
     def _together(self) -> list[Job]:
-        tasks, workers, seed = len(self.instance.tasks), self.effort.workers, self.effort.seed
+        workers, seed = self.effort.workers, self.effort.seed
         if self.is_small:
             return [partial(self.prover.prove, workers, seed)]
         improvers = [Improver(self, Random(f"{seed} {i}")).run for i in range(max(1, workers // 2))]
-        if tasks < LARGE:
+        if not self._is_large:
             # where nothing inserts, one search more than cores: unlike ones help each other
             provers = workers if inserts(self) else workers + 1
             return [*improvers, partial(self._prove_later, provers, seed), self.states.run]
@@ -83,6 +87,13 @@ class Portfolio(Race):
         Improver(self, Random(f"{seed} -")).run()
 
     @property
+    def _is_large(self) -> bool:
+        """Too large for a proof of the whole."""
+        tasks = len(self.instance.tasks)
+        ways = sum(map(len, self.instance.ways))
+        return tasks >= (LARGE_JOB_SHOP if ways <= LITTLE_CHOICE * tasks else LARGE)
+
+    @property
     def _is_relaxable(self) -> bool:
         return len(self.instance.tasks) <= RELAXABLE
 
@@ -91,7 +102,7 @@ class Portfolio(Race):
         seed, slice_ = self.effort.seed, 4.0
         if self.is_small:
             return self.prover.prove(1, seed)
-        if len(self.instance.tasks) >= LARGE and self._is_relaxable:
+        if self._is_large and self._is_relaxable:
             self.prover.relax(seed)
         improver = Improver(self, Random(str(seed)))
         while not self.over:
@@ -108,7 +119,7 @@ class Portfolio(Race):
         seed = self.effort.seed
         if not self.is_small and self._is_relaxable:
             self.prover.relax(seed)
-        if not self.over and (work >= LEAST_WORK or len(self.instance.tasks) < LARGE):
+        if not self.over and (work >= LEAST_WORK or not self._is_large):
             self.prover.prove(1, seed, work=work)
         if self.best is None or self.is_small:
             return
