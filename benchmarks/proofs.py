@@ -114,6 +114,20 @@ def alike_in_order(plan: Decisions) -> None:
             mine += plan.does(task, one)
 
 
+def tied(plan: Decisions) -> None:
+    """An end that is a variable is the start and a sum over the ways as well."""
+    for task, end in enumerate(plan.end):
+        if isinstance(end, cp_model.IntVar):
+            ways = zip(plan.instance.ways[task], plan.chosen[task], strict=True)
+            plan.model.add(end == plan.start[task] + sum(way.ticks * x for way, x in ways))
+
+
+def all_before_the_end(plan: Decisions) -> None:
+    """Every task ends before the makespan, not only those that nothing comes after."""
+    for end in plan.end:
+        plan.model.add(end <= plan.makespan)
+
+
 def _work(plan: Decisions, operator: int, tasks: Iterable[int]) -> cp_model.LinearExprT:
     return sum(
         way.ticks * x
@@ -128,6 +142,8 @@ MODELS: dict[str, tuple[tuple[Rule, ...], int | None]] = {
     "plain": (PLAIN, None),
     "plain-ends": (PLAIN, None),
     "plain-ends-cut": (PLAIN, 0),
+    "plain-ends-tied": ((*PLAIN, tied), None),
+    "plain-ends-all": ((*PLAIN, all_before_the_end), None),
     "plain-cut": (PLAIN, 0),
     "plain-below": (PLAIN, -1),
     "plain-windows": ((*PLAIN, windows), None),
@@ -145,8 +161,9 @@ MODELS: dict[str, tuple[tuple[Rule, ...], int | None]] = {
     "rows-alike-below": ((*RULES, alike_in_order), -1),
 }
 """Name -> the rules of the model; how far beyond the incumbent a schedule may last, in ticks (None:
-to the horizon). Where the incumbent is in the model it is a hint. `alike` may leave it out, and has
-another one of the same makespan.
+to the horizon). With `ends` in the name the ends of tasks are variables of their own. Where the
+incumbent is in the model it is a hint. `alike` may leave it out, and has another one of the same
+makespan.
 """
 PARAMETERS: dict[str, dict[str, Any]] = {
     "default": {},

@@ -8,9 +8,10 @@ next to the best values known.
 DIR holds a folder per set with its instances and a best_known.csv (instance, lower_bound,
 upper_bound). Without --sets it runs every set of flexible job shops and of human-robot cells that
 is there; with --limit-per-set N so many instances of each, evenly spread. With -o it goes on where
-an earlier run of the same limits stopped. Prints a row per instance as it is done, and at the end a
-table per set, who is ahead there, and what was run. Ends with 1 when a makespan lies below the best
-lower bound known, which would be an error of ours.
+an earlier run of the same limits stopped. Prints a row per instance as it is done, with the seconds
+of a core that its threads took, and at the end a table per set, who is ahead there, and what was
+run. Ends with 1 when a makespan lies below the best lower bound known, which would be an error of
+ours.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import argparse
 import csv
 import os
 import sys
+import time
 from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
@@ -40,6 +42,7 @@ COLUMNS = (
     "bound",
     "proven",
     "wall_s",
+    "cpu_s",
     "limit_s",
     "workers",
     "seed",
@@ -47,7 +50,11 @@ COLUMNS = (
 
 
 class Row(NamedTuple):
-    """What one solver had for one instance: a line of the table, seconds."""
+    """What one solver had for one instance: a line of the table, seconds.
+
+    `cpu_s` are seconds of a core that all its threads took, which say more than `wall_s` on a busy
+    machine; None in older tables.
+    """
 
     set: str
     instance: str
@@ -58,6 +65,7 @@ class Row(NamedTuple):
     bound: float | None
     proven: bool
     wall_s: float
+    cpu_s: float | None = None
 
     @property
     def gap(self) -> float | None:
@@ -157,8 +165,10 @@ def _run(
             wanted = [peer for peer in options.peers if (name, instance, peer) not in done]
             cell = load(path) if wanted else None
             for peer in wanted:
+                began = time.process_time()
                 run = PEERS[peer](cell, *limits)
-                found = run.makespan, run.bound, run.proven, round(run.wall_s, 2)
+                spent = round(time.process_time() - began, 2)
+                found = run.makespan, run.bound, run.proven, round(run.wall_s, 2), spent
                 rows.append(Row(name, instance, lower, upper, peer, *found))
                 print(_line(rows[-1]), flush=True)
                 if options.output:
@@ -187,6 +197,7 @@ def read(path: Path, limits: tuple[float, int, int] | None = None) -> list[Row]:
             float(line["bound"]) if line["bound"] else None,
             line["proven"] == "True",
             float(line["wall_s"]),
+            float(line["cpu_s"]) if line.get("cpu_s") else None,
         )
         for line in lines
     ]
@@ -198,6 +209,7 @@ def _line(row: Row) -> str:
     return (
         f"{known}  {row.solver:<10}{gap}  bound {row.bound or 0:>8g} "
         f" {'proven' if row.proven else '':<6} {row.wall_s:6.2f} s"
+        f"{'' if row.cpu_s is None else f', {row.cpu_s:.2f} of a core'}"
     )
 
 

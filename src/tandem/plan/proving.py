@@ -31,7 +31,9 @@ late. With 0.25 they took as much of the cores as the plain model until that had
 ROWS_SHARE = 0.25
 """Their share of the time."""
 PATIENT_S = 1.0
-"""Seconds for which a prover goes on when it has been overtaken; twice that the next time."""
+"""Seconds of its core for which a prover goes on when it has been overtaken; twice that the next
+time. Of a core and not of the clock: on a busy machine it would be begun again and again.
+"""
 PROVED_AT_ONCE = 60
 """Up to so many tasks the proof waits for nobody and is not soon begun again: a plain model proves
 many of these cells in two seconds of a core from whatever schedule it has, and what it would prove
@@ -324,7 +326,9 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
             cut,
             patience,
         )
-        self.began, self.mine, self.outdated = monotonic(), cut, False
+        # a lone worker calls from the thread that asked, so that its own time is known
+        self.clock = thread_time if solver.parameters.num_workers == 1 else monotonic
+        self.began, self.mine, self.outdated = self.clock(), cut, False
 
     def on_solution_callback(self) -> None:
         starts = self.plan.read(self.value)
@@ -345,7 +349,7 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
         if (
             race.over
             or race.door.refused
-            or (overtaken and monotonic() - self.began > self.patience)
+            or (overtaken and self.clock() - self.began > self.patience)
         ):
             self.outdated = not race.over
             self.solver.stop_search()
