@@ -59,6 +59,11 @@ def test_both_models_have_their_turn_where_work_is_counted(asked):
     assert {rows for rows, _, _ in asked} == {True, False}
 
 
+def test_a_lone_worker_does_not_put_the_proof_off_until_nothing_gets_better(asked):
+    plan(layered(40, 2, 2, seed=0), minimize="makespan", work=1)
+    assert {rows for rows, _, _ in asked} == {True, False}
+
+
 def test_no_model_is_asked_again_when_it_was_wrong(asked, monkeypatch):
     wrong = tuple(rule for rule in cpsat.RULES if rule is not cpsat.predecessors_end_first)
     monkeypatch.setattr(cpsat, "RULES", wrong)

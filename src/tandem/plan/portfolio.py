@@ -32,6 +32,12 @@ LEAST_WORK = 1.0
 """Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not
 asked.
 """
+FIRST_PROVED = 40
+"""With one worker and up to so many tasks a proof is tried soon; beyond, a search that has the core
+to itself finds more meanwhile.
+"""
+SHORT_WORK, FIRST_PROOF = 0.1, 0.4
+"""Deterministic seconds of improving before that, and for it."""
 FEW_CORES = 3
 """With so many workers at most, the first turn of insertion goes before the proof."""
 FIRST_TURN_S = 0.3
@@ -105,6 +111,10 @@ class Portfolio(Race):
         if self._is_large and self._is_relaxable:
             self.prover.relax(seed)
         improver = Improver(self, Random(str(seed)))
+        if len(self.instance.tasks) <= FIRST_PROVED and self.best is not None:
+            improver.run_once(work=SHORT_WORK)
+            if not self.over:
+                self.prover.prove(1, seed, work=FIRST_PROOF)
         while not self.over:
             if self.best is not None:
                 improver.run_once(PATIENCE)
