@@ -214,3 +214,37 @@ def test_a_heading_between_numbered_tasks_is_no_task(column: int, tmp_path: Path
                 else [[row[0], *row[2:]] for row in rows],
             )
         )
+
+
+STANDARD_WORK = [
+    ["Step", "Work element", "Manual [s]", "Automatic [s]", "Walk [s]", "Predecessor"],
+    [1, "Pick housing", 5, None, 2, None],
+    [2, "Press bearing", 3, 22, 2, 1],
+]
+
+
+def test_what_is_automatic_in_standard_work_is_asked_about(tmp_path: Path) -> None:
+    file = sheet(tmp_path / "standard.xlsx", STANDARD_WORK)
+    with pytest.raises(CellError) as refused:
+        import_cell(file)
+    (fault,) = refused.value.faults
+    assert fault.place == "Sheet1!D1"
+    assert "table of standard work" in fault.message
+    cell, _ = import_cell(file, robots=["Automatic"])
+    assert cell.tasks["2"].time == {"Manual": 3, "Automatic": 22}
+    alone, _ = import_cell(file, columns={"Automatic [s]": "ignore"})
+    assert alone.tasks["2"].time == {"Manual": 3}
+    # without walking they are two ways of doing a task
+    rows = [[*row[:4], row[5]] for row in STANDARD_WORK]
+    cell, _ = import_cell(sheet(tmp_path / "ways.xlsx", rows))
+    assert cell.operators["Automatic"].kind == "robot"
+
+
+def test_numbered_steps_are_named_by_the_column_beside(tmp_path: Path) -> None:
+    cell, _ = import_cell(
+        sheet(tmp_path / "steps.xlsx", STANDARD_WORK), columns={"Automatic [s]": "ignore"}
+    )
+    assert {name: task.label for name, task in cell.tasks.items()} == {
+        "1": "Pick housing",
+        "2": "Press bearing",
+    }
