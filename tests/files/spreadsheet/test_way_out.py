@@ -248,3 +248,20 @@ def test_numbered_steps_are_named_by_the_column_beside(tmp_path: Path) -> None:
         "1": "Pick housing",
         "2": "Press bearing",
     }
+
+
+def test_a_wait_behind_a_link_is_no_task(tmp_path: Path) -> None:
+    rows = [
+        ["Task name", "Duration [s]", "Resource names", "Predecessors"],
+        ["Pick", 12, "Worker A", None],
+        ["Place", 15, "Cobot", "1"],
+        ["Fasten", 20, "Worker A", "2FS+50 s"],
+    ]
+    with pytest.raises(CellError) as refused:
+        import_cell(sheet(tmp_path / "lag.xlsx", rows))
+    (fault,) = refused.value.faults
+    assert fault.place == "Sheet1!D4"
+    assert "holds '2FS+50 s': a list of predecessors knows only end-to-start" in fault.message
+    rows[3][3] = "2FS"
+    cell, _ = import_cell(sheet(tmp_path / "links.xlsx", rows))
+    assert cell.tasks["Fasten"].after == ("Place",)
