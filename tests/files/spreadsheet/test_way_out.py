@@ -265,3 +265,13 @@ def test_a_wait_behind_a_link_is_no_task(tmp_path: Path) -> None:
     rows[3][3] = "2FS"
     cell, _ = import_cell(sheet(tmp_path / "links.xlsx", rows))
     assert cell.tasks["Fasten"].after == ("Place",)
+
+
+@pytest.mark.parametrize(("time", "said"), [("1,2", "no task takes more than 1.2 s"), ("12", "")])
+def test_times_of_a_second_are_rather_minutes(time: str, said: str, tmp_path: Path) -> None:
+    file = tmp_path / "times.csv"
+    file.write_text(f"Nr;Mensch;Roboter;Vorgänger\n10;0,5;0,4;\n20;{time};;10\n")
+    _, notes = import_cell(file)
+    (note,) = [str(note.message) for note in notes if "no unit is stated" in str(note.message)]
+    assert said in note
+    assert bool(said) == ("[min]" in note and "[TMU]" not in note)
