@@ -250,21 +250,41 @@ def test_numbered_steps_are_named_by_the_column_beside(tmp_path: Path) -> None:
     }
 
 
-def test_a_wait_behind_a_link_is_no_task(tmp_path: Path) -> None:
-    rows = [
-        ["Task name", "Duration [s]", "Resource names", "Predecessors"],
-        ["Pick", 12, "Worker A", None],
-        ["Place", 15, "Cobot", "1"],
-        ["Fasten", 20, "Worker A", "2FS+50 s"],
-    ]
+PROJECT = [
+    ["Task name", "Duration [s]", "Resource names", "Predecessors"],
+    ["Pick", 12, "Worker A", None],
+    ["Place", 15, "Cobot", "1"],
+]
+
+
+@pytest.mark.parametrize(
+    ("link", "wait"),
+    [
+        ("2FS+50 s", 50),
+        ("2EA+1,5 Min.", 90),
+        ("1; 2FS+0.5 mins", 30),
+        ("1, 2 FS + 7 secs", 7),
+        ("2FS", None),
+        ("2FS+0 s", None),
+    ],
+)
+def test_a_wait_behind_a_link_of_a_project_tool(
+    link: str, wait: float | None, tmp_path: Path
+) -> None:
+    rows = [*PROJECT, ["Fasten", 20, "Worker A", link]]
+    cell, _ = import_cell(sheet(tmp_path / "lag.xlsx", rows))
+    fasten = cell.tasks["Fasten"]
+    assert fasten.after == (("Pick", "Place") if link.startswith("1") else ("Place",))
+    assert [(one.after, one.at_least) for one in fasten.wait] == [("Place", wait)] * bool(wait)
+
+
+@pytest.mark.parametrize("link", ["2FS+5", "2FS+5 days", "2FS-5 s", "2SS+5 s"])
+def test_a_link_that_no_cell_has_is_refused(link: str, tmp_path: Path) -> None:
     with pytest.raises(CellError) as refused:
-        import_cell(sheet(tmp_path / "lag.xlsx", rows))
+        import_cell(sheet(tmp_path / "lag.xlsx", [*PROJECT, ["Fasten", 20, "Worker A", link]]))
     (fault,) = refused.value.faults
     assert fault.place == "Sheet1!D4"
-    assert "holds '2FS+50 s': a list of predecessors knows only end-to-start" in fault.message
-    rows[3][3] = "2FS"
-    cell, _ = import_cell(sheet(tmp_path / "links.xlsx", rows))
-    assert cell.tasks["Fasten"].after == ("Place",)
+    assert f"holds {link!r}: a list of predecessors knows only end-to-start" in fault.message
 
 
 @pytest.mark.parametrize(("time", "said"), [("1,2", "no task takes more than 1.2 s"), ("12", "")])
