@@ -295,3 +295,15 @@ def test_times_of_a_second_are_rather_minutes(time: str, said: str, tmp_path: Pa
     (note,) = [str(note.message) for note in notes if "no unit is stated" in str(note.message)]
     assert said in note
     assert bool(said) == ("[min]" in note and "[TMU]" not in note)
+
+
+@pytest.mark.parametrize("header", ["Task #", "Step #", "Activity ID", "Element No."])
+def test_numbers_of_tasks_as_english_sheets_head_them(header: str, tmp_path: Path) -> None:
+    rows = [
+        [header, "Description", "Human [s]", "Robot [s]", "Predecessors"],
+        [10, "Insert", 12, None, None],
+        [20, "Screw", None, 15, 10],
+    ]
+    cell, _ = import_cell(sheet(tmp_path / "numbers.xlsx", rows))
+    assert cell.tasks["20"].after == ("10",)
+    assert cell.tasks["20"].label == "Screw"
