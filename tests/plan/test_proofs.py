@@ -5,10 +5,20 @@ from __future__ import annotations
 from functools import partial
 
 import pytest
+from ortools.sat.python import cp_model
 
+from tandem.cell.model import Cell
 from tandem.files.generators import layered
+from tandem.files.validate import cell_of
 from tandem.plan import cpsat, proving
+from tandem.plan.door import Door
+from tandem.plan.goal import Effort, Goal
+from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
 from tandem.plan.methods import plan
+from tandem.plan.portfolio import Portfolio
+from tandem.plan.question import Question
+from tandem.plan.starts import list_schedule
 
 Asked = list[tuple[bool, bool, int]]
 """Of each model: has it the implied rows, is it told the incumbent, and by how many ticks may it
@@ -71,3 +81,54 @@ def test_no_model_is_asked_again_when_it_was_wrong(asked, monkeypatch):
         front = plan(layered(12, 2, 2, seed=3), minimize="makespan", workers=1, time_limit=60)
     assert not front.complete
     assert [rows for rows, _, _ in asked] in ([True], [True, False])
+
+
+def race_for(cell: Cell) -> Portfolio:
+    """A race of two workers for the least makespan that has not begun."""
+    instance = Instance.of(cell)
+    effort = Effort(until=None, seed=0, workers=2)
+    door = Door(cell, instance, Question())
+    return Portfolio(door, Layout.of(instance), Goal(1, 0), effort, None, 0)
+
+
+@pytest.mark.parametrize(
+    ("tasks", "who", "proven"), [(160, 1, True), (160, 2, False), (140, 2, True), (200, 1, False)]
+)
+def test_job_shops_are_proven_whole_up_to_more_tasks(tasks, who, proven):
+    """Ten jobs on ten machines, each task on one machine or on either of two."""
+    machines = [f"m{number}" for number in range(10)]
+    times = [
+        {machines[(step + other) % 10]: 5 + step % 7 for other in range(who)}
+        for step in range(tasks)
+    ]
+    shop = cell_of(
+        {
+            "operators": {name: {"kind": "machine"} for name in machines},
+            "tasks": {
+                str(step): {"time": time, "after": [str(step - 10)] if step >= 10 else []}
+                for step, time in enumerate(times)
+            },
+        }
+    )
+    jobs = [job.func for job in race_for(shop).jobs() if isinstance(job, partial)]
+    assert any(job.__name__ == "_prove_later" for job in jobs) == proven
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_lone_prover_that_was_overtaken_is_patient_for_seconds_of_its_core(workers, monkeypatch):
+    """On a busy machine ten seconds of the clock may be one of its core: a proof would be begun
+    again before it can end. The threads of several workers are not known, so the clock counts.
+    """
+    clock = {"monotonic": 0.0, "thread_time": 0.0}
+    for name in clock:
+        monkeypatch.setattr(proving, name, partial(clock.__getitem__, name))
+    race = race_for(layered(8, 1, 1, seed=0))
+    race.take_in(race.door.admit(list_schedule(race.layout, [0] * 8)))
+    solver = cp_model.CpSolver()
+    solver.parameters.num_workers = workers
+    plan = cpsat.formulate(race.instance, race.instance.horizon)
+    watcher = proving._Watcher(race, solver, plan, race.value + 1, 10.0)
+    for name in ("monotonic", "thread_time"):
+        clock[name] = 11.0
+        watcher.on_bound(0.0)
+        assert watcher.outdated == (workers > 1 or name == "thread_time")
