@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 from tandem.cell.model import Cell
+from tandem.dispatch.deciders.any_cell import any_cell
 from tandem.dispatch.deciders.by_rule import by_rule
 from tandem.dispatch.deciders.policy import Chosen, Decision, Options, Policy, plan_of
 from tandem.dispatch.deciders.robust import robust
@@ -34,7 +35,10 @@ def auto(cell: Cell, objective: Objective, options: Options) -> Auto:
     chain: list[Policy] = []
     if options.learned is not None:
         chain.append(POLICIES["learned"](cell, objective, options))
-    chain.append(robust(cell, objective, options))
+    exact = robust(cell, objective, options)
+    if options.plan is None:
+        exact = replace(exact, proposer=any_cell(cell, objective, options))
+    chain.append(exact)
     return Auto(tuple(chain), rule)
 
 
