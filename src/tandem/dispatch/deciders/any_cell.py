@@ -1,13 +1,14 @@
 """The policy for any cell, live: schedules of what is left by the network that comes with Tandem,
 and what starts at once in the best of them begins. It is what `learned` does where no trained
-policy is named.
+policy is named, or one that was tuned from it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from random import Random
 from time import perf_counter
 from typing import NamedTuple
@@ -20,7 +21,7 @@ from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.replan import SKETCH, starting, told, weights_in_ticks
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.deciders.robust import DEAR, MOVES
+from tandem.dispatch.deciders.robust import DEAR, GUIDING, MOVES
 from tandem.dispatch.deciders.sampled import READ, SAMPLES, TRIED, best_on_average, samples_of
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.residual import FIRST, Plan, Rest, as_plan, rest, resumed, sketches
@@ -28,8 +29,9 @@ from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import estimates
 from tandem.learn.graph.making import Maker
+from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
-from tandem.learn.graph.weights import shipped
+from tandem.learn.graph.trained import weights_of
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.rules import SWEEP, drawn_together, exchange_of
 
@@ -45,14 +47,19 @@ FEWEST = 3
 _NOBODY: Factors = ()
 
 
-def any_cell(cell: Cell, objective: Objective, options: Options) -> AnyCell:
-    """The shipped policy for this cell. Raises CellError as `Moves.of` does. Plans the whole cell
-    before the shift begins.
+def any_cell(
+    cell: Cell, objective: Objective, options: Options, file: Path | None = None
+) -> AnyCell:
+    """The policy for any cell on this one: with the tuned weights of a file, or those that come
+    with Tandem. Plans the whole cell before the shift begins.
+
+    Raises CellError as `Moves.of` does, and for a file without such weights.
     """
+    weights = weights_of(file)  # read before the shift, no decision waits for the file
     models = Models(cell, objective.max_stress)
     models.of(Situation.of(cell), 1.0)
     rule = ByRule("longest-tail", models, objective, options.seed)
-    made = AnyCell(models, objective, options, rule)
+    made = AnyCell(models, objective, options, rule, weights)
     return replace(made, guides=made.first_plans())
 
 
@@ -74,6 +81,7 @@ class AnyCell:
     what is best on average under sampled durations; else what begins in the shortest plan.
 
     Attributes:
+      weights: of the network.
       guides: the network's plans of the whole cell, made before the shift.
     """
 
@@ -81,6 +89,7 @@ class AnyCell:
     objective: Objective
     options: Options
     rule: ByRule
+    weights: Weights = field(repr=False, compare=False)
     guides: tuple[Plan, ...] = ()
     name: str = "learned"
 
@@ -95,7 +104,8 @@ class AnyCell:
             left = rest(moves, here, with_running=False)
             if left is not None:
                 weights = weights_in_ticks(self.objective, moves)
-                plans = self._own(left, here, weights, 0.0, MOST_SAMPLES)
+                most = max(1, min(MOST_SAMPLES, int(GUIDING / (PLACED * len(left.tasks)))))
+                plans = self._own(left, here, weights, 0.0, most)
                 found += sorted(plans, key=partial(_cost, weights))[:1]
         return tuple(found)
 
@@ -172,7 +182,7 @@ class AnyCell:
             return
         dear = SWEEP[-2] * exchange_of(layout)
         exchange = min(weights[1] / weights[0], dear) if weights[0] else dear
-        maker = Maker.of(shipped(), Outlook.of(layout, exchange))
+        maker = Maker.of(self.weights, Outlook.of(layout, exchange))
         # drawn anew from seed and moment, so that the same situation is decided alike in a replay
         random = np.random.default_rng(Random(f"{self.options.seed} {now!r}").getrandbits(64))
         going = [ticks for _, ticks in here.running]
