@@ -5,16 +5,19 @@ others drawn, and never worse than the best dispatch rule.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.learn.graph.familiar import confidence
 from tandem.learn.graph.making import Maker
 from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.trained import weights_of
+from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule
 from tandem.plan.method import Hint, Progress
 from tandem.plan.question import Question
@@ -60,7 +63,22 @@ def learned(
         return _schedules(layout, weights, question, samples, seed, enough)
 
     by = "the policy or by a rule"
-    return best_of(cell, question, made, NAME, by, seed, time_limit, on_solution)
+    front = best_of(cell, question, made, NAME, by, seed, time_limit, on_solution)
+    layout = Layout.of(Instance.of(cell))
+    if not _can_take(layout):
+        return front
+    makers = [
+        Maker.of(weights, Outlook.of(layout, weight))
+        for weight in weights_of_stress(layout, question)
+    ]
+    return replace(front, confidence=confidence(layout, makers))
+
+
+def _can_take(layout: Layout) -> bool:
+    """Stress that is listed by sets of tasks says nothing of a single one: only rules can take
+    it.
+    """
+    return not layout.impossible() and layout.instance.stress_of_set is None
 
 
 def _schedules(
@@ -72,8 +90,7 @@ def _schedules(
     enough: Callable[[], bool],
 ) -> Attempts:
     """The policy comes first: a rule is named only where it found something better."""
-    # stress that is listed by sets of tasks says nothing of a single one: only rules can take it
-    if not layout.impossible() and layout.instance.stress_of_set is None:
+    if _can_take(layout):
         yield from ((NAME, state) for state in _own(layout, network, question, samples, seed))
     for name, rule in SPECS.items():
         if name not in UNLIKE:
