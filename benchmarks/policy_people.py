@@ -80,9 +80,9 @@ class Job:
 
 
 def jobs(sizes: list[int]) -> Iterator[Job]:
-    """All of them, the smallest cells first."""
-    for tasks in sizes:
-        for cell in range(CELLS):
+    """All of them: the first cell of each size, then the second ones."""
+    for cell in range(CELLS):
+        for tasks in sizes:
             for people in CROWDS:
                 for who in (REFERENCE, *PLANNERS, *RULES):
                     yield Job(tasks, cell, people, who)
@@ -132,21 +132,23 @@ def work_off(sizes: list[int], folder: Path, minutes: float) -> dict[str, Any]:
     return results
 
 
-def seconds(results: dict[str, Any], tasks: int, people: str, who: str) -> list[Any]:
-    """`[1, E]` seconds for each cell in which the decider has played."""
-    rows = (results.get(Job(tasks, cell, people, who).file) for cell in range(CELLS))
-    return [np.array([row["makespans"]]) for row in rows if row is not None]
-
-
 def row_of(results: dict[str, Any], tasks: int, people: str) -> dict[str, Any] | None:
-    """A line of the table; None where not all have played everywhere."""
+    """A line of the table, over the cells in which everybody has played; None where there is
+    none.
+    """
     everybody = (REFERENCE, *PLANNERS, *RULES)
-    of = {who: seconds(results, tasks, people, who) for who in everybody}
-    if any(len(cells) < CELLS for cells in of.values()):
+    of: dict[str, list[Any]] = {who: [] for who in everybody}
+    for cell in range(CELLS):
+        played = {who: results.get(Job(tasks, cell, people, who).file) for who in everybody}
+        if all(played.values()):
+            for who, found in played.items():
+                of[who].append(np.array([found["makespans"]]))
+    if not of[REFERENCE]:
         return None
     best = min(RULES, key=lambda rule: np.mean(of[rule]))
     others = {**{who: of[who] for who in PLANNERS}, "best rule": of[best]}
     return {
+        "cells": len(of[REFERENCE]),
         "seconds": float(np.mean(of[REFERENCE])),
         "rule": best,
         **{
@@ -160,7 +162,7 @@ def tables(document: dict[str, Any]) -> Iterator[str]:
     """The Markdown lines: differences, then the time of a decision."""
     results, sizes = document["results"], document["sizes"]
     heads = ", ".join(
-        ("tasks", "people", "episodes", "`learned` [s]", *map("`{}`".format, PLANNERS))
+        ("tasks", "people", "cells x episodes", "`learned` [s]", *map("`{}`".format, PLANNERS))
     )
     yield f"| {heads.replace(', ', ' | ')} | best rule |"
     yield "|---|---|---|---|---|---|---|"
@@ -171,7 +173,7 @@ def tables(document: dict[str, Any]) -> Iterator[str]:
                 continue
             told = [_words(row[who]) for who in (*PLANNERS, "best rule")]
             told[-1] += f" `{row['rule']}`"
-            played = CELLS * row["auto"]["episodes"]
+            played = f"{row['cells']} x {row['auto']['episodes']}"
             yield f"| {tasks} | {title} | {played} | {row['seconds']:.1f} | {' | '.join(told)} |"
     yield ""
     yield "| tasks | `learned` | `auto` | `replan-robust` | `longest-tail` |"

@@ -31,7 +31,7 @@ from tandem.learn.training.runs import RunFolder
 from tandem.learn.training.trainer import TrainingProgress, resume, train
 
 CELL = layered(10, seed=3)
-SHORT = replace(GRAPH, rounds=3, samples=8, steps=20, rate=1e-3, weights=())
+SHORT = replace(GRAPH, rounds=3, samples=8, steps=20, rate=1e-3, weights=(0.3,))
 
 
 def tuned(folder: Path, **given: Any) -> dict[str, Any]:

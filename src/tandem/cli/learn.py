@@ -194,7 +194,8 @@ def _to_train_on(
             " or add --recipe graph."
         )
     (_, first), *others = _cells_of(Path(cell_file), form)
-    return first, replace(own_recipe, beside=tuple(one.to_dict() for _, one in others))
+    beside = tuple(one.to_dict() for _, one in others)
+    return first, replace(own_recipe, beside=beside or None)
 
 
 def _cells_of(folder: Path, form: str | None = None) -> list[tuple[str, Cell]]:

@@ -7,10 +7,10 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from tandem.learn.settings import Count, NotNegative, Positive, checked
+from tandem.learn.settings import Count, Positive, checked
 
-MOST_SCHEDULES, MOST_CELLS = 10_000, 1_000
-"""That are drawn in a round of a cell; and cells of a folder."""
+MOST_SCHEDULES = 10_000
+"""That are drawn in a round of a cell."""
 
 
 @checked
@@ -26,7 +26,7 @@ class GraphRecipe:
       rate: of Adam; it falls to a tenth.
       weights: of stress beside the one that is asked for, in the cell's own mean time per mean
         stress; for cells with stress.
-      beside: further cells to tune to, as plain values.
+      beside: further cells to tune to, as plain values; None for no others.
       what: it is, in a line; no setting.
     """
 
@@ -34,8 +34,8 @@ class GraphRecipe:
     samples: Annotated[int, Field(ge=2, le=MOST_SCHEDULES)] = 64
     steps: Count = 60
     rate: Positive = 3e-4
-    weights: tuple[NotNegative, ...] = (0.3, 1.5)
-    beside: tuple[dict[str, Any], ...] = ()
+    weights: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.3, 1.5)
+    beside: Annotated[tuple[dict[str, Any], ...], Field(min_length=1)] | None = None
     what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "graph"
@@ -47,7 +47,7 @@ class GraphRecipe:
             "steps": self.steps,
             "rate": self.rate,
             "weights": list(self.weights),
-            "beside": list(self.beside),
+            "beside": None if self.beside is None else list(self.beside),
         }
 
 

@@ -88,7 +88,7 @@ class Trainee:
     def _cells(self) -> Iterator[Cell]:
         """The order's cell, and those beside it."""
         yield self.order.cell
-        for number, document in enumerate(self.recipe.beside):
+        for number, document in enumerate(self.recipe.beside or ()):
             try:
                 yield cell_of(document)
             except CellError as error:
@@ -168,7 +168,7 @@ class Trainee:
             "recipe": order.name,
             "stress_factor": order.stress_factor,
             "seed": order.seeds[index],
-            "cells": 1 + len(self.recipe.beside),
+            "cells": 1 + len(self.recipe.beside or ()),
         }
         save(path, self._weights(learners, index), notes)
 

@@ -63,6 +63,11 @@ def decider_of(path: Path, cell: Cell) -> Learnt:
       UsageError: it cannot be dispatched, or does not fit the cell.
     """
     name, recipe = origin_of(path)
+    if name == "graph":
+        raise UsageError(
+            f"{path}: is the network for all cells, which plans the rest at each event and takes no"
+            " turns. It decides by tandem dispatch or tandem simulate --policy learned."
+        )
     if name not in DECIDERS:
         recipe = f"the recipe {recipe!r}" if recipe else "another recipe"
         raise UsageError(
