@@ -71,7 +71,7 @@ def tables(document: dict[str, Any]) -> Iterator[str]:
     heads = [f"{name}, work {work:g}" for work in works for name in ("without", "with")]
     yield f"| tasks | cells | the policy alone | {' | '.join(heads)} |"
     yield f"|---|---|---|{'---|' * len(heads)}"
-    for tasks in dict.fromkeys(row["tasks"] for row in rows):
+    for tasks in sorted({row["tasks"] for row in rows}):
         mine = [row for row in rows if row["tasks"] == tasks]
         bounds = [
             max(row[f"{n} {w:g}"][1] for w in works for n in ("without", "with")) for row in mine
@@ -109,8 +109,8 @@ def main() -> int:
             "weights": sha256(weights).hexdigest()[:12],
             "rows": [],
         }
-        for tasks in asked.tasks:
-            for seed in range(asked.cells):
+        for seed in range(asked.cells):
+            for tasks in asked.tasks:
                 document["rows"].append(row_of(tasks, seed, asked.work, asked.samples))
                 print(document["rows"][-1], file=sys.stderr, flush=True)
                 if asked.output:
