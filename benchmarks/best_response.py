@@ -152,7 +152,7 @@ def added(document: dict[str, Any], title: str, episodes: int) -> None:
                     "cell": name, "person": group.spec, "decider": title,
                     "optimum": optimum[name, group.spec],
                     "makespans": [float(outcome.makespan.mean())],
-                    "cpu_s": 0.0, "decision_ms": float(np.median(outcome.latency_ms)),
+                    "cpu_s": 0.0, "episodes": episodes,
                 }
             )  # fmt: skip
 
@@ -201,7 +201,11 @@ def show(document: dict[str, Any]) -> None:
         here = {row["decider"]: row for row in rows if row["cell"] == cell}
         print(
             "\nMedian milliseconds of a decision: "
-            + ", ".join(f"{one} {here[one]['decision_ms']:.2f}" for one in deciders)
+            + ", ".join(
+                f"{one} {here[one]['decision_ms']:.2f}"
+                for one in deciders
+                if "decision_ms" in here[one]
+            )
             + "."
         )
         spent = ", ".join(
