@@ -358,7 +358,7 @@ def difference(
     """How much longer than `response`, as a share of its mean: the mean over the cells where both
     were played, and a 95 % interval of it; None where there is no such cell.
     """
-    of_cells, episodes = [], 0
+    of_cells = []
     for cell in range(settings.cells):
         mine = seconds_of(results, tasks, cell, people, who)
         base = seconds_of(results, tasks, cell, people, REFERENCE)
@@ -367,8 +367,16 @@ def difference(
         episodes = min(mine.shape[1], base.shape[1])
         # seed by seed: those of two recipes have nothing to do with each other
         of_cells.append((mine[:, :episodes], base[:, :episodes]))
-    if not of_cells:
-        return None
+    return paired(of_cells) if of_cells else None
+
+
+def paired(of_cells: Sequence[tuple[Any, Any]]) -> dict[str, Any]:
+    """How much longer the first of two takes than the second, as a share of the second's mean: the
+    mean over the cells, a 95 % interval of it, and how many episodes it rests on.
+
+    Args:
+      of_cells: for each cell the seconds of both, `[S, E]` each, the same episodes.
+    """
     rng = np.random.default_rng(0)
     drawn = np.zeros(DRAWS)
     which = rng.integers(len(of_cells), size=(DRAWS, len(of_cells)))
@@ -385,7 +393,7 @@ def difference(
     mean = float(np.mean([mine.mean() / base.mean() - 1 for mine, base in of_cells]))
     return {
         "mean": mean, "ci95": (float(low), float(high)), "cells": len(of_cells),
-        "episodes": episodes,
+        "episodes": of_cells[0][0].shape[1],
     }  # fmt: skip
 
 

@@ -4,12 +4,14 @@ self-play's, re-planning's and a rule's.
     python benchmarks/best_response.py [--seeds 3] [--episodes 1000]
         [-o benchmarks/results/best_response.json]
     python benchmarks/best_response.py --show benchmarks/results/best_response.json
+    python benchmarks/best_response.py --show FILE --add learned [--others 10] [-o FILE]
 
 Cells: the thesis's, and a random layered cell of 12 tasks. Trained with the training part of
 `benchmarks/people.yaml`, judged beside each person of the held-out part. Self-play is the same
 learner trained beside somebody who does all that is asked, in the stated times. Proximity is the
 mean makespan of the person's own best response (exact, by dynamic programming) divided by the
-decider's: 1 is the best there is.
+decider's: 1 is the best there is. `--add` plays one more decider, without training any anew:
+`learned` is the policy for any cell as it is shipped.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.learned import learned
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.deciders.table import policy
+from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.lookahead.objective import SECONDS
@@ -131,6 +133,30 @@ def rows_of(
             }  # fmt: skip
 
 
+def added(document: dict[str, Any], title: str, episodes: int) -> None:
+    """Plays one more decider beside the same people, and puts its rows behind the others."""
+    document["rows"] = [row for row in document["rows"] if row["decider"] != title]
+    optimum = {(row["cell"], row["person"]): row["optimum"] for row in document["rows"]}
+    for name, cell in cells().items():
+        names = Names.of(cell)
+        arrays = names.arrays()
+        draw, one = Draw.of(names, arrays), policy(title, cell, SECONDS, Options())
+        for group in population(str(PEOPLE), names)["held_out"]:
+            everybody = crowd(group.spec, names, arrays)
+            people = everybody.draw(np.random.default_rng(0), document["episodes"])
+            stage = EpisodeBatch.of(names, arrays, draw, people, 0)
+            outcome = stage.play(one, episodes)
+            print(f"{name}: {title} beside {group.spec}", file=sys.stderr)
+            document["rows"].append(
+                {
+                    "cell": name, "person": group.spec, "decider": title,
+                    "optimum": optimum[name, group.spec],
+                    "makespans": [float(outcome.makespan.mean())],
+                    "cpu_s": 0.0, "episodes": episodes,
+                }
+            )  # fmt: skip
+
+
 def show(document: dict[str, Any]) -> None:
     rows = document["rows"]
     deciders = list(dict.fromkeys(row["decider"] for row in rows))
@@ -175,7 +201,11 @@ def show(document: dict[str, Any]) -> None:
         here = {row["decider"]: row for row in rows if row["cell"] == cell}
         print(
             "\nMedian milliseconds of a decision: "
-            + ", ".join(f"{one} {here[one]['decision_ms']:.2f}" for one in deciders)
+            + ", ".join(
+                f"{one} {here[one]['decision_ms']:.2f}"
+                for one in deciders
+                if "decision_ms" in here[one]
+            )
             + "."
         )
         spent = ", ".join(
@@ -196,9 +226,15 @@ def main() -> None:
     )
     parser.add_argument("--show", type=Path)
     parser.add_argument("-o", "--output", type=Path)
+    parser.add_argument("--add", choices=list(POLICIES), help="one more decider for that result")
     given = parser.parse_args()
     if given.show:
-        show(json.loads(given.show.read_text(encoding="utf-8")))
+        document = json.loads(given.show.read_text(encoding="utf-8"))
+        if given.add:
+            added(document, given.add, given.others)
+        if given.output:
+            store(given.output, json.dumps(document, indent=1) + "\n")
+        show(document)
         return
     rows = [
         row

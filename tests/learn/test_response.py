@@ -219,11 +219,16 @@ def test_the_stored_measurement_holds_what_the_page_says(cell: str, least: float
     found: dict[str, list[float]] = {}
     for row in rows:
         if row["cell"] == cell:
+            # the exact optimum is a mean, which a few episodes may miss
+            chance = 0.02 if "episodes" in row else 0.01
+            assert row["optimum"] / float(np.mean(row["makespans"])) < 1 + chance
             found.setdefault(row["decider"], []).append(
                 row["optimum"] / float(np.mean(row["makespans"]))
             )
     mean = {decider: float(np.mean(shares)) for decider, shares in found.items()}
     assert mean["best response"] >= least
     assert mean["best response"] > mean["self-play"]
-    assert max(share for shares in found.values() for share in shares) < 1.01
-    assert f"**{mean['best response']:.3f}**" in (ROOT / "docs" / "learning.md").read_text()
+    page = (ROOT / "docs" / "learning.md").read_text()
+    assert mean["learned"] >= 0.95
+    for who in ("best response", "learned"):
+        assert f"**{mean[who]:.3f}**" in page

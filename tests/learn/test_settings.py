@@ -50,7 +50,7 @@ def wrong_for(kind: Any) -> list[str]:
     wrong = ["{}", '{"a": 1}', "NaN", "Infinity", "-Infinity"]
     if "str" not in text and "Literal" not in text:
         wrong += ["foo", "", '"1"']
-    if "None" not in text:
+    if "None" not in text and "Optional" not in text:
         wrong.append("null")
     if "tuple" not in text:
         wrong += ["[]", "[1]", *["[" * 5000] * ("str" not in text)]

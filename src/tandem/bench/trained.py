@@ -77,11 +77,15 @@ class _Source:
 
     def reads(self, cell: Cell, reasons: list[str]) -> bool:
         """Whether a policy of it decides on the cell; a reason is added where it does not."""
-        from tandem.learn.training.algorithms import decider_of
+        from tandem.learn.graph.trained import KIND, weights_of
+        from tandem.learn.training.algorithms import decider_of, origin_of
 
         file = self.path if self.run is None else self.file((self.seeds or [0])[0])
         if file is None:
             return False
+        if origin_of(file)[0] == KIND:
+            weights_of(file)  # of any cell
+            return True
         try:
             decider_of(file, cell)
         except CellError:

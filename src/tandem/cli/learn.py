@@ -6,6 +6,7 @@ import datetime
 import json
 import shlex
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,10 +18,14 @@ from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
+    from tandem.cell.model import Cell
+    from tandem.learn.algorithm import AnyRecipe
     from tandem.learn.training.trainer import TrainingProgress
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 PICTURE = click.Path(dir_okay=False, path_type=Path)
+CELL_FILES = (".yaml", ".yml", ".json")
+"""How the names of files end that are read as cells where a folder is named."""
 
 
 class _Train(click.Command):
@@ -114,6 +119,7 @@ def train_command(
     quiet: bool,
 ) -> int:
     """Train on CELL by trial and error what decides who begins which task, beside the exact front.
+    With the recipe `graph` CELL may be a folder of cells.
 
     What is learned serves `tandem evaluate`, `tandem simulate` and `tandem dispatch`.
 
@@ -122,12 +128,12 @@ def train_command(
       tandem train cell.yaml --stress-factor 5 --seeds 3
       tandem train cell.yaml --recipe alphazero --set simulations=64
       tandem train cell.yaml --recipe response --people random:0..1+pace:0.6..3
+      tandem train cells/ --recipe graph
       tandem train --resume runs/my-run
 
     Ctrl-C saves; the exit code is then 130 and --resume goes on to the same end.
     """
     needs_jax("training")
-    from tandem.files.load import load
     from tandem.learn.training import trainer
     from tandem.learn.training.recipes import changed, recipe
 
@@ -138,7 +144,7 @@ def train_command(
     own_recipe = changed(
         recipe(recipe_name), [*settings, *([f"people={people}"] if people else [])]
     )
-    cell = None if cell_file is None else load(cell_file, form)
+    cell, own_recipe = _to_train_on(cell_file, form, own_recipe)
     with _Bar(quiet) as bar:
         if resume is not None:
             document = trainer.resume(
@@ -167,6 +173,41 @@ def train_command(
         )
         return 130
     return 0
+
+
+def _to_train_on(
+    cell_file: str | None, form: str | None, own_recipe: AnyRecipe
+) -> tuple[Cell | None, AnyRecipe]:
+    """The cell, None for none, and the recipe, which holds the other cells of a folder."""
+    from dataclasses import replace
+
+    from tandem.files.load import load
+    from tandem.learn.graph.recipes import GraphRecipe
+
+    if cell_file is None:
+        return None, own_recipe
+    if not Path(cell_file).is_dir():
+        return load(cell_file, form), own_recipe
+    if not isinstance(own_recipe, GraphRecipe):
+        raise UsageError(
+            f"{cell_file}: is a folder. Only the recipe graph trains on several cells; name a file,"
+            " or add --recipe graph."
+        )
+    (_, first), *others = _cells_of(Path(cell_file), form)
+    beside = tuple(one.to_dict() for _, one in others)
+    return first, replace(own_recipe, beside=beside or None)
+
+
+def _cells_of(folder: Path, form: str | None = None) -> list[tuple[str, Cell]]:
+    """The cells of a folder and their files' names, in the order of these. Raises UsageError when
+    it holds no cell file.
+    """
+    from tandem.files.load import load
+
+    found = sorted(path for path in folder.iterdir() if path.suffix.lower() in CELL_FILES)
+    if not found:
+        raise UsageError(f"{folder}: holds no cell file ({', '.join(CELL_FILES)}).")
+    return [(path.name, load(str(path), form)) for path in found]
 
 
 def _notice(text: str) -> None:
@@ -286,11 +327,12 @@ def evaluate_command(
     as_json: bool,
 ) -> None:
     """Play what RUN has learned, beside the exact front, the best dispatch rule and a random
-    player.
+    player; on its own cell, on CELL, or on each cell of a folder.
 
     \b
     Examples:
       tandem evaluate runs/my-run
+      tandem evaluate runs/my-run cells/
       tandem evaluate runs/my-run --gantt greedy.svg --curves training.svg
     """
     from tandem.draw.saving import save
@@ -301,13 +343,14 @@ def evaluate_command(
 
     if seed is None and not as_json:  # the document has it
         say_which_seed(str(run))
-    found = evaluate(
-        run,
-        load(cell_file) if cell_file else None,
-        seed=seed,
-        episodes=episodes,
-        front_limit=front_limit,
-    )
+    judge = partial(evaluate, run, seed=seed, episodes=episodes, front_limit=front_limit)
+    if cell_file and Path(cell_file).is_dir():
+        if gantt or curves or report:
+            raise UsageError("--gantt, --curves and --report are of one cell; name its file.")
+        cells = _cells_of(Path(cell_file))
+        _show_cells({name: judge(cell) for name, cell in cells}, as_json)
+        return
+    found = judge(load(cell_file) if cell_file else None)
     greedy = found.line("greedy")
     if gantt:
         if greedy.schedule is None:
@@ -337,6 +380,39 @@ def evaluate_command(
         click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
     else:
         _show_players(found)
+
+
+def _show_cells(found: dict[str, Any], as_json: bool) -> None:
+    """The gap of each player on each cell, and the mean over the cells in which it has one."""
+    import numpy as np
+    from rich.console import Console
+    from rich.table import Table
+
+    players = list(dict.fromkeys(_kind(line) for one in found.values() for line in one.lines))
+    gaps = {
+        name: {_kind(line): line.gap for line in one.lines if line.gap is not None}
+        for name, one in found.items()
+    }
+    means = {
+        player: float(np.mean(mine))
+        for player in players
+        if (mine := [row[player] for row in gaps.values() if player in row])
+    }
+    if as_json:
+        cells = [{"file": name, **one.to_dict()} for name, one in found.items()]
+        document = {"schema_version": 1, "cells": cells, "mean_gap": means}
+        click.echo(json.dumps(document, ensure_ascii=False))
+        return
+    table = Table("gap to the exact optimum", *players)
+    for name, row in [*gaps.items(), ("mean", means)]:
+        table.add_row(name, *(_share(row.get(player)) for player in players))
+    Console(highlight=False).print(table)
+
+
+def _kind(line: Any) -> str:
+    """The player, all rules together: the best one is another in each cell."""
+    player: str = line.player
+    return "best rule" if player.startswith("rule ") else player
 
 
 def _write_report(found: Any, path: Path) -> None:

@@ -35,6 +35,7 @@ from tandem.cli.outputs import (
 )
 from tandem.cli.project import sound, tell_folder
 from tandem.cli.risk import told_risk
+from tandem.cli.seeds import say_which_seed
 from tandem.cli.stored import is_plan
 from tandem.cli.what_if import difference, tell_difference, variant_options
 from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
@@ -95,6 +96,12 @@ if TYPE_CHECKING:
     "--samples",
     type=click.IntRange(min=1),
     help="Of a method that draws schedules, such as learned: how many; 64 when absent.",
+)
+@click.option(
+    "--learned",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="With --method learned: weights that were tuned to a cell, or the folder of their run.",
 )
 @click.option(
     "--cv",
@@ -181,6 +188,7 @@ def plan_command(
     seed: int,
     workers: int | None,
     samples: int | None,
+    learned: Path | None,
     cv: float,
     robust: bool,
     risk: bool | None,
@@ -240,7 +248,7 @@ def plan_command(
     files = [*outputs, *([report] if report else [])]
     repeated = Repeated(cycle, takt, max_in_process, batch, mix, one_allocation)
     asked = asked_of(measure, axes, shift, cycles_per_shift, limit, outputs)
-    _check_samples(samples, bool(repeated or asked))
+    _check_drawing(samples, learned, bool(repeated or asked))
     if repeated:
         repeated.check(minimize, is_given)
     elif minimize == "cycle_time":
@@ -278,7 +286,9 @@ def plan_command(
     kind = minimize or ("weighted" if weights else "front")
     question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
     begin = _schedules_that_fit(plan_file, cell, question) if plan_file else None
-    solve = partial(plan, question=question, method=method, samples=samples)
+    solve = partial(
+        plan, question=question, method=method, samples=samples, policy=_policy_file(learned)
+    )
     with SolveProgress(quiet=quiet, language=lang) as progress:
         front = solve(cell, hint=begin, on_solution=progress, **effort)
     if not front.interrupted:
@@ -305,13 +315,25 @@ def plan_command(
     return 130 if front.interrupted else 0
 
 
-def _check_samples(samples: int | None, otherwise: bool) -> None:
-    """Refuses a number of schedules where none are drawn."""
-    if samples is not None and otherwise:
-        raise UsageError(
-            "--samples goes with plans of one product by makespan and stress, such as"
-            " --method learned; leave it out here."
-        )
+def _policy_file(learned: Path | None) -> Path | None:
+    """The file of a trained policy; of a run's folder that of its best seed, which is said."""
+    if learned is None or not learned.is_dir():
+        return learned
+    from tandem.learn.training.runs import RunFolder
+
+    say_which_seed(str(learned))
+    run = RunFolder(learned)
+    return run.policy(run.best_seed())
+
+
+def _check_drawing(samples: int | None, learned: Path | None, otherwise: bool) -> None:
+    """Refuses options of a method that draws where no method is asked."""
+    for option, given in (("--samples", samples), ("--learned", learned)):
+        if given is not None and otherwise:
+            raise UsageError(
+                f"{option} goes with plans of one product by makespan and stress, such as"
+                " --method learned; leave it out here."
+            )
 
 
 def _existing(front: Front, point: int, files: Sequence[Path], lang: str) -> int:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from inspect import signature
 from math import inf
+from pathlib import Path
 from time import monotonic
 from traceback import extract_tb
 from typing import Any
@@ -56,8 +57,16 @@ class Entry:
     @property
     def draws(self) -> bool:
         """Whether it can be told how many schedules to draw: it takes `samples`."""
+        return self._takes("samples")
+
+    @property
+    def reads(self) -> bool:
+        """Whether it can be given a policy that was trained: it takes `policy`."""
+        return self._takes("policy")
+
+    def _takes(self, option: str) -> bool:
         solve = self.solve.solve if isinstance(self.solve, _Own) else self.solve
-        return "samples" in signature(solve).parameters
+        return option in signature(solve).parameters
 
 
 def theirs(home: str, found: Any) -> Entry:
@@ -153,6 +162,7 @@ def plan(
     seed: int = 0,
     workers: int | None = None,
     samples: int | None = None,
+    policy: str | Path | None = None,
     hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
     settle: bool = True,
@@ -175,6 +185,8 @@ def plan(
         (`canonical.py`) with any number of them.
       samples: how many schedules a method makes that draws them (`learned`); its own number when
         None.
+      policy: a file with a trained policy for a method that reads one (`learned`); what comes with
+        Tandem when None.
       hint: a schedule to begin with, or several, such as those of an earlier front; the ones that
         the checker refuses are left aside.
       on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search
@@ -204,13 +216,13 @@ def plan(
         if work is None
         else {"time_limit": None, "work": work}
     )
-    limit |= _drawn(samples, method)
+    told = _drawn(samples, method) | _read(policy, method)
 
     def solve(asked: Cell, question: Question, seconds: float | None) -> Front:
         return METHODS[method](
             asked,
             question,
-            **{**limit, "time_limit": seconds},
+            **{**limit, **told, "time_limit": seconds},
             seed=seed,
             workers=workers,
             hint=hint,
@@ -280,6 +292,18 @@ def _drawn(samples: int | None, method: str) -> dict[str, int]:
             f" Those that do: {able}."
         )
     return {"samples": samples}
+
+
+def _read(policy: str | Path | None, method: str) -> dict[str, Path]:
+    """The trained policy as an option of the method. Raises UsageError where it reads none."""
+    if policy is None:
+        return {}
+    if not METHODS[method].reads:
+        able = ", ".join(name for name, entry in METHODS.items() if entry.reads)
+        raise UsageError(
+            f"policy {policy}: method {method!r} reads no trained policy. Those that do: {able}."
+        )
+    return {"policy": Path(policy)}
 
 
 def check_effort(time_limit: float | None, work: float | None, workers: int | None) -> None:

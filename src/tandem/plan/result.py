@@ -89,6 +89,41 @@ class Confirmation:
 
 
 @dataclass(frozen=True)
+class Beyond:
+    """A number of a cell that lies outside of what a policy was trained on: `least` to `most`. What
+    a cell has or has not is 1 or 0.
+    """
+
+    what: str
+    value: float
+    least: float
+    most: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a result document holds it."""
+        numbers = {key: plain(getattr(self, key)) for key in ("value", "least", "most")}
+        return {"what": self.what, **numbers}
+
+
+@dataclass(frozen=True)
+class Confidence:
+    """How far a trained policy is to be trusted with a cell.
+
+    Attributes:
+      chance: what it gave the choices of its likeliest schedules, mean over those that left it one;
+        None where none did.
+      beyond: what of the cell is unlike all that it was trained on.
+    """
+
+    chance: float | None
+    beyond: tuple[Beyond, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a result document holds it."""
+        return {"chance": self.chance, "beyond": [one.to_dict() for one in self.beyond]}
+
+
+@dataclass(frozen=True)
 class Quantiles:
     """Makespans of simulated assemblies, seconds: `p50`, `p95`, over so many `episodes`."""
 
@@ -198,6 +233,7 @@ class Front:
       open_area: the share of the front's area that is neither reached by what was found nor ruled
         out by what was proven (`Archive.open_area`); None where that was not told.
       confirmation: a second opinion on what CP-SAT has proven; None where nobody was asked.
+      confidence: of the trained policy that made schedules; None where none did.
     """
 
     cell: Cell
@@ -215,6 +251,7 @@ class Front:
     bound_front: tuple[tuple[float, float], ...] = ()
     open_area: float | None = None
     confirmation: Confirmation | None = None
+    confidence: Confidence | None = None
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
@@ -311,6 +348,7 @@ class Front:
             "question": self.question.to_dict(),
             **self._open(),
             **({} if self.confirmation is None else {"confirmation": self.confirmation.to_dict()}),
+            **({} if self.confidence is None else {"confidence": self.confidence.to_dict()}),
             "front": [
                 {
                     **result.to_dict(),

@@ -24,7 +24,9 @@ from tandem.plan.cycle.result import CycleFront
 from tandem.plan.provers import Prover, Step
 from tandem.plan.question import Question
 from tandem.plan.result import (
+    Beyond,
     Bound,
+    Confidence,
     Confirmation,
     Front,
     Outcome,
@@ -283,7 +285,21 @@ def _front(document: Mapping[str, Any], cell: Cell) -> Front:
         bound_front=_bound_front(document.get("bound_front")),
         open_area=document["open_area"] if is_number(document.get("open_area")) else None,
         confirmation=_confirmation(document.get("confirmation")),
+        confidence=_confidence(document.get("confidence")),
     )
+
+
+def _confidence(told: Any) -> Confidence | None:
+    """What a trained policy said of itself; nothing where the document does not hold it."""
+    try:
+        beyond = tuple(
+            Beyond(str(one["what"]), *(float(one[key]) for key in ("value", "least", "most")))
+            for one in told["beyond"]
+        )
+        chance = told["chance"]
+        return Confidence(None if chance is None else float(chance), beyond)
+    except (TypeError, KeyError, ValueError):
+        return None
 
 
 def _confirmation(told: Any) -> Confirmation | None:

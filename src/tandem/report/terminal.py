@@ -133,7 +133,28 @@ def remarks(front: Front, language: str = "en") -> list[str]:
     ]
     if front.open_area is not None:
         said.append(t("terminal.open_area", share=open_share(front.open_area, t)))
-    return said
+    return [*said, *_confident(front, t)]
+
+
+def _confident(front: Front, t: Words) -> Iterator[str]:
+    """How far the policy that made schedules is to be trusted, and what happens where it is not."""
+    known = front.confidence
+    if known is None:
+        return
+    if known.chance is not None:
+        yield t("terminal.confidence.chance", chance=f"{100 * known.chance:.0f}")
+    if known.beyond:
+        what = ", ".join(
+            t(
+                f"terminal.beyond.{one.what}",
+                value=t.number(one.value),
+                seen=f"{t.number(one.least)}–{t.number(one.most)}",
+            )
+            for one in known.beyond
+        )
+        yield t("terminal.confidence.unlike", what=what)
+    else:
+        yield t("terminal.confidence.like")
 
 
 def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table:

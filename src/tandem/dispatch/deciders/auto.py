@@ -1,5 +1,6 @@
 """`auto`: the best of those who can decide on this cell, and a rule when nobody can. It always
-answers.
+answers. Where few tasks are open it values every choice exactly, else it asks the policy for any
+cell.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 from tandem.cell.model import Cell
+from tandem.dispatch.deciders.any_cell import AnyCell, any_cell
 from tandem.dispatch.deciders.by_rule import by_rule
 from tandem.dispatch.deciders.policy import Chosen, Decision, Options, Policy, plan_of
 from tandem.dispatch.deciders.robust import robust
@@ -21,8 +23,9 @@ RULE = "longest-tail"
 
 
 def auto(cell: Cell, objective: Objective, options: Options) -> Auto:
-    """The chain: the learned policy where one is given and fits the cell, re-planning (which
-    follows `options.plan`), a rule.
+    """The chain: the learned policy where one is given and fits the cell; every open choice valued
+    exactly, and where too much is open for that, the proposals of the policy for any cell (of the
+    tuned one where such a one is given), or re-planning where a plan is followed; a rule.
 
     Raises:
       CellError: not even the rule can hold the cell.
@@ -31,11 +34,13 @@ def auto(cell: Cell, objective: Objective, options: Options) -> Auto:
     if options.learned is not None and options.plan is not None:
         raise UsageError("auto: a plan and a trained policy are given. Give one, or name a policy.")
     rule = by_rule(RULE, cell, objective, options)
-    chain: list[Policy] = []
-    if options.learned is not None:
-        chain.append(POLICIES["learned"](cell, objective, options))
-    chain.append(robust(cell, objective, options))
-    return Auto(tuple(chain), rule)
+    exact = robust(cell, objective, options)
+    if options.plan is not None:
+        return Auto((exact,), rule)
+    known = POLICIES["learned"](cell, objective, options)
+    if isinstance(known, AnyCell):
+        return Auto((replace(exact, proposer=known),), rule)
+    return Auto((known, replace(exact, proposer=any_cell(cell, objective, options))), rule)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,8 @@ from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves
 from tandem.dispatch.situation.model import Situation
 from tandem.learn.algorithm import Learnt
-from tandem.learn.training.algorithms import decider_of
+from tandem.learn.graph.trained import KIND
+from tandem.learn.training.algorithms import decider_of, origin_of
 from tandem.learn.training.runs import RunFolder
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
@@ -45,6 +46,8 @@ def learned(cell: Cell, objective: Objective, options: Options) -> Policy:
     if path.is_dir():
         run = RunFolder(path)
         path = run.policy(run.best_seed())
+    if origin_of(path)[0] == KIND:
+        return any_cell(cell, objective, options, path)
     names = Names.of(cell)
     found = decider_of(path, cell)
     return Learned(found, names, names.arrays(undo=1.0), Models(cell, objective.max_stress))

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from math import inf, log
 from time import perf_counter
+from typing import Protocol
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.beliefs import (
@@ -94,6 +95,12 @@ def robust(cell: Cell, objective: Objective, options: Options) -> Robust:
     return replace(made, before=made.first_values(), guides=made.first_plans())
 
 
+class Proposer(Protocol):
+    """A decider that can be told how much work it may do."""
+
+    def within(self, work: float, situation: Situation) -> Decision: ...
+
+
 @dataclass(frozen=True)
 class Robust:
     """Values every choice that is open now under each pace that is still believed, and takes the
@@ -103,6 +110,8 @@ class Robust:
       follows: the plan that is followed while it is good; None for none.
       before: what was valued before the shift, by the model that it was valued in.
       guides: plans of the whole cell, made before the shift.
+      proposer: who decides, with the work that is left, where too much is open for the choices to
+        be valued; re-planning does when None.
     """
 
     models: Models
@@ -112,6 +121,7 @@ class Robust:
     follows: Fixed | None = None
     before: Mapping[Key, Known] = field(default_factory=dict)
     guides: tuple[Plan, ...] = ()
+    proposer: Proposer | None = None
     name: str = "replan-robust"
 
     @property
@@ -183,6 +193,8 @@ class Robust:
         if ranked is None:
             if self.follows is not None and due:
                 return self.follows.unquestioned(self.name, moves, situation, due, began)
+            if self.proposer is not None:
+                return self.proposer.within(work.left, situation)
             return by_plan(self, moves, situation, here, work, began, self.guides)
         choices, look = ranked
         look_again = None if look is None else situation.now + look / moves.instance.per_second

@@ -115,8 +115,8 @@ POLICIES: Table[Entry | Theirs] = Table(
             "tandem.dispatch.deciders.learned:learned",
         ),
         "auto": Entry(
-            "learned where a file is given, else planned anew, else a rule; always answers within"
-            " the budget",
+            "learned where a file is given, else exact values of all choices, or the network where"
+            " too many are open, else a rule; answers within the budget",
             "tandem.dispatch.deciders.auto:auto",
             follows=True,
         ),

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import inf
 from random import Random
 from typing import Any
 
@@ -259,9 +258,23 @@ def sketch(
       samples: so many schedules are made.
       due: as in `rest`; a schedule may miss it.
     """
+    plans = sketches(moves, position, weights, samples=samples, seed=seed, due=due)
+    return min(plans, key=lambda one: weights[0] * one.ticks + weights[1] * one.units, default=None)
+
+
+def sketches(
+    moves: Moves,
+    position: Position,
+    weights: tuple[float, float],
+    *,
+    samples: int,
+    seed: int = 0,
+    due: Mapping[int, int] | None = None,
+) -> list[Plan]:
+    """All of those list schedules, as they were made; arguments as of `sketch`."""
     left = rest(moves, position, with_running=False, due=due)
     if left is None:
-        return None
+        return []
     layout, random = Layout.of(left.instance), Random(seed)
     easy = weights[1] / weights[0] if weights[0] else STRESS_ALONE
     # prices of the whole cell are as good a guide to what is left of it
@@ -269,7 +282,7 @@ def sketch(
         len(moves.prices.of_operator) * price / moves.prices.total
         for price in moves.prices.of_operator
     ]
-    best, least = None, inf
+    going, found = [ticks for _, ticks in position.running], list[Plan]()
     for number in range(samples):
         drawn = number >= len(FIRST)
         state = build(
@@ -280,15 +293,9 @@ def sketch(
             temperature=SHAKEN if drawn else 0.0,
             prices=prices,
         )
-        if state is None:
-            continue
-        cost = weights[0] * state.makespan + weights[1] * state.stress
-        if cost < least - 1e-12:
-            best, least = state, cost
-    if best is None:
-        return None
-    going = [ticks for _, ticks in position.running]
-    return as_plan(left, best, max([best.makespan, *going]), 0.0, False)
+        if state is not None:
+            found.append(as_plan(left, state, max([state.makespan, *going]), 0.0, False))
+    return found
 
 
 FIRST = ("longest-tail", "balanced", "earliest-completion", "heft")
@@ -320,7 +327,7 @@ def solve(
     """
     instance = left.instance
     layout = Layout.of(instance)
-    quick = None if hint is None else _appended(left, layout, hint)
+    quick = None if hint is None else appended(left, layout, hint)
     upper = instance.horizon if quick is None else max(quick.makespan, 1)
     decisions = formulate(instance, max(upper, instance.horizon if weights[1] else upper))
     top = max(weights)
@@ -344,7 +351,7 @@ def solve(
 
 def keeps(left: Rest, plan: Plan) -> bool:
     """Whether the plan keeps the deadlines and waits of the rest."""
-    return _appended(left, Layout.of(left.instance), plan) is not None
+    return appended(left, Layout.of(left.instance), plan) is not None
 
 
 def resumed(left: Rest, plan: Plan) -> Plan | None:
@@ -355,11 +362,11 @@ def resumed(left: Rest, plan: Plan) -> Plan | None:
     planned = {way for _, way in plan.begins}
     if not all(row == (-1,) or planned.intersection(row) for row in left.ways):
         return None
-    state = _appended(left, Layout.of(left.instance), plan)
+    state = appended(left, Layout.of(left.instance), plan)
     return None if state is None else as_plan(left, state, state.makespan, 0.0, False)
 
 
-def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
+def appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
     """The plan's tasks in its order, what goes on first of all; None where the rest's limits or
     deadlines do not let it be.
     """

@@ -26,10 +26,9 @@ from tandem.dispatch.shift.plays import (
     along_the_clock,
     played,
     sheet_of,
-    sigma_of,
 )
 from tandem.dispatch.situation.model import Running, Situation
-from tandem.dispatch.situation.pace import NORMAL, outlook
+from tandem.dispatch.situation.pace import NORMAL, outlook, sigma_of
 
 PLAYS = 320
 """So many times the rest is played."""

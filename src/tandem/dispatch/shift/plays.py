@@ -6,7 +6,6 @@ end it first. `rows` plays go side by side, each with its own order, paces and t
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from tandem.dispatch.deciders.beliefs import AWAY_S, awaited
 from tandem.dispatch.deciders.policy import Start
 from tandem.dispatch.situation.legal import waited_from
 from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.pace import sigma_of
 from tandem.schedule.queues import KINDS
 
 Array = np.ndarray[Any, Any]
@@ -207,12 +207,6 @@ def _chain(needs: Sequence[Sequence[int]]) -> tuple[int, ...]:
             if not left[first]:
                 open_.append(first)
     return tuple(found)
-
-
-def sigma_of(cell: Cell, task: str, operators: Sequence[str]) -> float:
-    stated = cell.tasks[task].spread
-    cv = max(stated.get(who, 0.0) for who in operators) if isinstance(stated, Mapping) else stated
-    return math.sqrt(math.log1p(cv**2))
 
 
 @dataclass(frozen=True)

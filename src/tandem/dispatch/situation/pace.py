@@ -219,6 +219,15 @@ def _spread(cell: Cell, task: str, human: str) -> float:
     return stated.get(human, 0.0) if isinstance(stated, Mapping) else stated
 
 
+def sigma_of(cell: Cell, task: str, operators: Sequence[str]) -> float:
+    """Standard deviation of the logarithm of how long these need for the task, by the spread that
+    the cell states.
+    """
+    stated = cell.tasks[task].spread
+    cv = max(stated.get(who, 0.0) for who in operators) if isinstance(stated, Mapping) else stated
+    return math.sqrt(math.log1p(cv**2))
+
+
 def _outlasting(
     situation: Situation,
     human: str,

@@ -5,14 +5,19 @@ others drawn, and never worse than the best dispatch rule.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
 from random import Random
 
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.learn.graph.familiar import confidence
 from tandem.learn.graph.making import Maker
+from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
-from tandem.learn.graph.weights import shipped
+from tandem.learn.graph.trained import weights_of
+from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule
 from tandem.plan.method import Hint, Progress
 from tandem.plan.question import Question
@@ -35,13 +40,15 @@ def learned(
     seed: int = 0,
     workers: int | None = None,
     samples: int = SAMPLES,
+    policy: Path | None = None,
     hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
     """the best of 64 schedules by one network for all cells, or what the best dispatch rule finds
 
-    With `samples` of so many, one of them greedy; for a front they are shared out over the weights
-    of stress, with a greedy one for each.
+    `policy` is a file of weights that were tuned (`tandem train --recipe graph`); else those that
+    come with Tandem decide. With `samples` of so many, one of them greedy; for a front they are
+    shared out over the weights of stress, with a greedy one for each.
 
     Every rule is asked too, so that no answer is worse than theirs; `solver` names those that gave
     a point of the front. Nothing is proven but simple bounds. `work`, `workers` and `hint` play no
@@ -50,20 +57,41 @@ def learned(
     Raises NothingFoundError when neither found a schedule that keeps the limits.
     """
 
+    weights = weights_of(policy)
+
     def made(layout: Layout, enough: Callable[[], bool]) -> Attempts:
-        return _schedules(layout, question, samples, seed, enough)
+        return _schedules(layout, weights, question, samples, seed, enough)
 
     by = "the policy or by a rule"
-    return best_of(cell, question, made, NAME, by, seed, time_limit, on_solution)
+    front = best_of(cell, question, made, NAME, by, seed, time_limit, on_solution)
+    layout = Layout.of(Instance.of(cell))
+    if not _can_take(layout):
+        return front
+    makers = [
+        Maker.of(weights, Outlook.of(layout, weight))
+        for weight in weights_of_stress(layout, question)
+    ]
+    return replace(front, confidence=confidence(layout, makers))
+
+
+def _can_take(layout: Layout) -> bool:
+    """Stress that is listed by sets of tasks says nothing of a single one: only rules can take
+    it.
+    """
+    return not layout.impossible() and layout.instance.stress_of_set is None
 
 
 def _schedules(
-    layout: Layout, question: Question, samples: int, seed: int, enough: Callable[[], bool]
+    layout: Layout,
+    network: Weights,
+    question: Question,
+    samples: int,
+    seed: int,
+    enough: Callable[[], bool],
 ) -> Attempts:
     """The policy comes first: a rule is named only where it found something better."""
-    # stress that is listed by sets of tasks says nothing of a single one: only rules can take it
-    if not layout.impossible() and layout.instance.stress_of_set is None:
-        yield from ((NAME, state) for state in _own(layout, question, samples, seed))
+    if _can_take(layout):
+        yield from ((NAME, state) for state in _own(layout, network, question, samples, seed))
     for name, rule in SPECS.items():
         if name not in UNLIKE:
             for state in attempts(layout, rule, Random(seed), question, enough):
@@ -71,13 +99,13 @@ def _schedules(
 
 
 def _own(
-    layout: Layout, question: Question, samples: int, seed: int
+    layout: Layout, network: Weights, question: Question, samples: int, seed: int
 ) -> Iterator[PartialSchedule | None]:
     """The policy's schedules: of each weight of stress one greedy, then as many drawn."""
     random = np.random.default_rng(seed)
     weights = weights_of_stress(layout, question)
     for weight in weights:
-        maker = Maker.of(shipped(), Outlook.of(layout, weight))
+        maker = Maker.of(network, Outlook.of(layout, weight))
         yield drawn_together(layout, maker.build())
         for _ in range(samples // len(weights) - 1):
             yield drawn_together(layout, maker.build(random))

@@ -20,6 +20,7 @@ ALGORITHMS = extended(
         "ppo": "tandem.learn.ppo.trainee:Trainee",
         "alphazero": "tandem.learn.alphazero.trainee:Trainee",
         "dqn": "tandem.learn.dqn.trainee:Trainee",
+        "graph": "tandem.learn.graph.trainee:Trainee",
     },
 )
 """Name -> the class that is made from an order, `module:class`. A new one is a line here, or an
@@ -61,17 +62,29 @@ def decider_of(path: Path, cell: Cell) -> Learnt:
       CellError: the file is no policy.
       UsageError: it cannot be dispatched, or does not fit the cell.
     """
-    _, said = read_tensors(path, _Said, "policy")
-    made_by = said.notes.kind or OF_NETWORKS.get(said.network, said.network)
-    name = FORMERLY.get(made_by, made_by)
+    name, recipe = origin_of(path)
+    if name == "graph":
+        raise UsageError(
+            f"{path}: is the network for all cells, which plans the rest at each event and takes no"
+            " turns. It decides by tandem dispatch or tandem simulate --policy learned."
+        )
     if name not in DECIDERS:
-        recipe = f"the recipe {said.notes.recipe!r}" if said.notes.recipe else "another recipe"
+        recipe = f"the recipe {recipe!r}" if recipe else "another recipe"
         raise UsageError(
             f"{path}: was trained by {recipe}, whose world knows no events. Train one for dispatch"
             " with: tandem train CELL"
         )
     reader: Reader = resolved(DECIDERS[name])
     return reader(path, cell)
+
+
+def origin_of(path: Path) -> tuple[str, str]:
+    """The algorithm that the policy in the file comes from, and its recipe; empty where it does not
+    say. Raises CellError when the file is no policy.
+    """
+    _, said = read_tensors(path, _Said, "policy")
+    made_by = said.notes.kind or OF_NETWORKS.get(said.network, said.network)
+    return FORMERLY.get(made_by, made_by), said.notes.recipe
 
 
 OF_NETWORKS = {"scorer": "alphazero", "values": "dqn"}

@@ -13,6 +13,7 @@ from tandem.learn.algorithm import AnyRecipe
 from tandem.learn.alphazero.recipes import ALPHAZERO
 from tandem.learn.dqn.recipes import DQN
 from tandem.learn.forms import SettingsError
+from tandem.learn.graph.recipes import GRAPH
 from tandem.learn.ppo.recipes import RESPONSE, TANDEM
 from tandem.learn.settings import read
 from tandem.learn.training.algorithms import ALGORITHMS
@@ -38,7 +39,15 @@ def theirs(home: str, found: Any) -> AnyRecipe:
 
 
 RECIPES: Table[AnyRecipe] = Table(
-    "recipes", {"tandem": TANDEM, "response": RESPONSE, "alphazero": ALPHAZERO, "dqn": DQN}, theirs
+    "recipes",
+    {
+        "tandem": TANDEM,
+        "response": RESPONSE,
+        "alphazero": ALPHAZERO,
+        "dqn": DQN,
+        "graph": GRAPH,
+    },
+    theirs,
 )
 """Name -> recipe. A new one is a line here, an entry point of the group `tandem.recipes`, or
 anybody's by its dotted name.
