@@ -16,7 +16,7 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.learn.graph.candidates import Choices, Making, features
-from tandem.learn.graph.making import Maker
+from tandem.learn.graph.making import Maker, retold
 from tandem.learn.graph.near_optimum import FINE, NearSearch
 from tandem.learn.graph.network import Weights
 from tandem.learn.graph.optimum import Search
@@ -31,8 +31,10 @@ from tandem.plan.starts import Starts
 
 WITHOUT_STRESS = 0.5
 """The share of cells in which time alone counts."""
-MOST_LOSS = 1.0
-"""Mean task times: larger losses are not told apart."""
+MOST_LOSS, UNKNOWN = 1.0, 1.0
+"""Mean task times: larger losses are not told apart; what a choice is taken to lose of which only
+is known that a good schedule does without it.
+"""
 ASTRAY, WARM = 0.15, 0.5
 """How often a choice is drawn from all that lose little enough to be told apart, instead of what
 the policy draws, its logits divided by `WARM`.
@@ -51,12 +53,15 @@ class Looks:
       known: visits for each task of the search for a good schedule of what is left, before the
         choices are looked at.
       each: the same behind each choice.
+      own: 0, or nothing is looked up: the best of so many schedules that the policy draws is taken
+        to be right, and all that it does without to lose `UNKNOWN`.
     """
 
     exact: int = 8
     told: int = 12
     known: int = 800
     each: int = 100
+    own: int = 0
 
 
 Arrays = dict[str, np.ndarray[Any, Any]]
@@ -117,7 +122,10 @@ def label(
     if layout.impossible() or not Search.can(outlook):
         return None
     maker = None if weights is None else Maker.of(weights, outlook)
-    found = list(visited(outlook, maker, looks, number, rng))
+    if looks.own and maker is not None:
+        found = list(shown(outlook, best_own(maker, looks.own, rng)))
+    else:
+        found = list(visited(outlook, maker, looks, number, rng))
     if not found:
         return None
     seen, rows, losses = zip(*found, strict=True)
@@ -181,6 +189,26 @@ def _taken(
         losses = near.losses(making, choices.rows, choices.starts, 0)
     fine = np.flatnonzero(losses <= (making.outlook.scale * MOST_LOSS if astray else 0.0))
     return int(rng.choice(fine))
+
+
+def best_own(maker: Maker, count: int, rng: np.random.Generator) -> Starts:
+    """The best of so many schedules that the policy draws as it was trained. Assumes a cell without
+    limits.
+    """
+    drawn = [maker.build(rng, 1.0) for _ in range(count)]
+    states = [state for state in drawn if state is not None]
+    best = min(states, key=lambda state: cost(state, maker.outlook.exchange))
+    return tuple(best.starts())
+
+
+def shown(outlook: Outlook, starts: Starts) -> Iterator[Decided]:
+    """The decisions that lead to a schedule."""
+    for making, choices, which in retold(outlook, starts):
+        if len(choices.rows) < 2:
+            continue
+        losses = np.full(len(choices.rows), UNKNOWN)
+        losses[which] = 0.0
+        yield features(making, choices), choices.rows, losses
 
 
 def searched(layout: Layout, exchange: float, passed: int, seed: int) -> Starts:

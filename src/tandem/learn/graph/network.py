@@ -70,9 +70,9 @@ def _of_pairs(
     """
     first, second = network["0"], network["1"]
     of_task, of_operator, of_pair = xp.split(first["weight"], (WIDTH, 2 * WIDTH))
-    own = task @ of_task + first["bias"]
+    own = task @ of_task + first["bias"][None]
     flow = own[:, None] + (operator @ of_operator)[None] + pairs @ of_pair
-    return xp.maximum(flow, 0) @ second["weight"] + second["bias"]
+    return xp.maximum(flow, 0) @ second["weight"] + second["bias"][None, None]
 
 
 def lasting(xp: ModuleType, weights: Weights, task: Array, group: Array, fixed: Array) -> Array:

@@ -44,7 +44,7 @@ class Config:
       first, first_large: cells of up to `small` and of up to `most_tasks` tasks that are labelled
         before the first round, on nearly optimal ways; `first_steps` of the optimiser follow.
       rounds: each draws `drawn` and `drawn_large` new cells, labels what the policy does there, and
-        takes `steps` steps over all labels; the last one `last_steps`.
+        takes `steps` steps over all labels.
       looks: how well labels are looked up.
       sharp: mean task times; a choice that loses so much counts 1/e of one that loses nothing. A
         negative number lets one of the best alone be right.
@@ -54,16 +54,15 @@ class Config:
     """
 
     seed: int = 0
-    first: int = 1000
-    first_large: int = 900
+    first: int = 600
+    first_large: int = 700
     small: int = 14
     most_tasks: int = 60
-    first_steps: int = 2500
-    rounds: int = 2
+    first_steps: int = 1500
+    rounds: int = 1
     drawn: int = 300
     drawn_large: int = 700
-    steps: int = 1500
-    last_steps: int = 8000
+    steps: int = 6000
     looks: Looks = field(default_factory=Looks)
     sharp: float = 0.03
     batch: int = 24
@@ -133,7 +132,8 @@ class _Run:
         # a weight that starts at 0 under an input of 0 stays there
         weights["choice/0/weight"][list(config.blind)] = 0.0
         run = cls(config, folder, workers, weights, _adam().init(weights), _empty())
-        run.add(None, 0, config.first, config.first_large)
+        known = unpacked(run.weights) if config.looks.own else None
+        run.add(known, 0, config.first, config.first_large)
         run.learn(config.first_steps)
         run.keep()
         return run
@@ -165,7 +165,7 @@ class _Run:
         begin += self.round * (config.drawn + config.drawn_large)
         self.round += 1
         self.add(weights, begin, config.drawn, config.drawn_large)
-        self.learn(config.last_steps if self.round == config.rounds else config.steps)
+        self.learn(config.steps)
         self.keep()
 
     def add(self, weights: Weights | None, begin: int, small: int, large: int) -> None:
@@ -265,14 +265,14 @@ def _loss(leaves: Leaves, drawn: Leaves, count: int, sharp: float) -> Any:
     own = task[drawn["cell"], drawn["step task"][at]]
     steps = lasting(jnp, weights, own, group[at], drawn["step fixed"][at])
     logits = scores(jnp, weights, drawn["seen"], steps)
-    wanted = _wanted(drawn["loss"], drawn["decision"], count, sharp)
+    targets = wanted(drawn["loss"], drawn["decision"], count, sharp)
     likely = _log_softmax(logits, drawn["decision"], count)
     real = drawn["decision"] < count
     decisions = jnp.max(jnp.where(real, drawn["decision"], 0)) + 1
-    return -jnp.where(real, wanted * likely, 0.0).sum() / decisions
+    return -jnp.where(real, targets * likely, 0.0).sum() / decisions
 
 
-def _wanted(losses: Any, decision: Any, count: int, sharp: float) -> Any:
+def wanted(losses: Any, decision: Any, count: int, sharp: float) -> Any:
     """What each choice should be drawn with."""
     if sharp > 0:
         return jnp.exp(_log_softmax(-losses / sharp, decision, count))

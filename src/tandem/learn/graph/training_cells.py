@@ -28,11 +28,11 @@ def training_cell(number: int, most_tasks: int) -> Cell:
     rng = np.random.default_rng(FIRST_SEED + number)
     data = _chains(rng, most_tasks) if rng.random() < CHAINS else _layers(rng, number, most_tasks)
     if rng.random() < JOINT:
-        _add_joint_ways(data, rng)
+        add_joint_ways(data, rng)
     if rng.random() < TOOLS:
-        _add_tools(data, rng)
+        add_tools(data, rng)
     if rng.random() < ZONES:
-        _add_zone(data, rng)
+        add_zone(data, rng)
     return cell_of(data)
 
 
@@ -102,7 +102,7 @@ def _time(rng: np.random.Generator, times: int, base: int) -> int:
     return int(rng.integers(1, 100))
 
 
-def _add_joint_ways(data: dict[str, Any], rng: np.random.Generator) -> None:
+def add_joint_ways(data: dict[str, Any], rng: np.random.Generator) -> None:
     """A tenth of the tasks can be done by a human and a robot together, quicker than by either."""
     for task in data["tasks"].values():
         humans = [name for name in task["time"] if name.startswith("human")]
@@ -113,7 +113,7 @@ def _add_joint_ways(data: dict[str, Any], rng: np.random.Generator) -> None:
             task["together"] = [{"operators": [robots[0], humans[0]], "time": seconds}]
 
 
-def _add_tools(data: dict[str, Any], rng: np.random.Generator) -> None:
+def add_tools(data: dict[str, Any], rng: np.random.Generator) -> None:
     """Two tools of which there is one each."""
     data["tools"] = {"driver": {}, "press": {}}
     for task in data["tasks"].values():
@@ -121,7 +121,7 @@ def _add_tools(data: dict[str, Any], rng: np.random.Generator) -> None:
             task["tool"] = str(rng.choice(["driver", "press"]))
 
 
-def _add_zone(data: dict[str, Any], rng: np.random.Generator) -> None:
+def add_zone(data: dict[str, Any], rng: np.random.Generator) -> None:
     """A zone with room for one."""
     data["zones"] = {"fixture": {}}
     for task in data["tasks"].values():
