@@ -48,6 +48,7 @@ from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.files.validate import cell_of
 from tandem.learn.graph.making import Maker
+from tandem.learn.graph.method import by_weights, weights_of_stress
 from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.training_cells import add_joint_ways, add_tools, add_zone
 from tandem.learn.graph.weights import shipped
@@ -265,16 +266,11 @@ def moved(cell: Cell, samples: int) -> set[tuple[float, float]]:
     """What the policy finds, without rules, that nothing else of it beats: so many schedules at
     each weight of stress.
     """
-    from tandem.learn.graph.method import weights_of_stress
-
-    layout, random = Layout.of(Instance.of(cell)), np.random.default_rng(0)
-    instance, found = layout.instance, set[tuple[float, float]]()
-    for weight in weights_of_stress(layout, Question()):
-        maker = Maker.of(shipped(), Outlook.of(layout, weight))
-        for sample in range(samples):
-            state = maker.build(random if sample else None)
-            if state is not None:
-                found.add((instance.seconds(state.makespan), instance.stress(state.stress)))
+    layout, found = Layout.of(Instance.of(cell)), set[tuple[float, float]]()
+    instance = layout.instance
+    for state in by_weights(layout, weights_of_stress(layout, Question()), samples, 0):
+        if state is not None:
+            found.add((instance.seconds(state.makespan), instance.stress(state.stress)))
     return {
         one
         for one in found

@@ -58,9 +58,9 @@ class Looks:
     """
 
     exact: int = 8
-    told: int = 12
-    known: int = 800
-    each: int = 100
+    told: int = 8
+    known: int = 300
+    each: int = 25
     own: int = 0
 
 

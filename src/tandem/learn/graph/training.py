@@ -54,17 +54,17 @@ class Config:
     """
 
     seed: int = 0
-    first: int = 600
-    first_large: int = 700
+    first: int = 2000
+    first_large: int = 1500
     small: int = 14
     most_tasks: int = 60
     first_steps: int = 1500
     rounds: int = 1
-    drawn: int = 300
-    drawn_large: int = 700
-    steps: int = 6000
+    drawn: int = 2500
+    drawn_large: int = 2000
+    steps: int = 5000
     looks: Looks = field(default_factory=Looks)
-    sharp: float = 0.03
+    sharp: float = 0.04
     batch: int = 24
     rate: float = 4e-3
     blind: tuple[int, ...] = ()
