@@ -189,7 +189,7 @@ class _Run:
         """So many steps of the optimiser over the labels in hand."""
         config, losses = self.config, []
         rng = np.random.default_rng((config.seed, self.round))
-        step = _step(config)
+        step = _step(config.batch, config.sharp)
         rate = config.rate / (2 if self.round else 1)
         falls = optax.cosine_decay_schedule(rate, max(steps, 1), alpha=0.02)
         for at in range(steps):
@@ -234,13 +234,13 @@ def _adam() -> optax.GradientTransformation:
 
 
 @cache
-def _step(config: Config) -> Any:
+def _step(cells: int, sharp: float) -> Any:
     adam = _adam()
-    count = config.batch * DECISIONS
+    count = cells * DECISIONS
 
     @jax.jit
     def step(weights: Leaves, state: Any, drawn: Leaves, rate: float) -> Any:
-        loss, gradient = jax.value_and_grad(_loss)(weights, drawn, count, config.sharp)
+        loss, gradient = jax.value_and_grad(_loss)(weights, drawn, count, sharp)
         change, state = adam.update(gradient, state, weights)
         moved = {name: part - rate * change[name] for name, part in weights.items()}
         return moved, state, loss
