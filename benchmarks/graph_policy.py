@@ -3,7 +3,7 @@ schedules are, beside the best dispatch rule and as many random schedules, and h
 takes.
 
     python benchmarks/graph_policy.py cells [--tasks 10 20 50] [--operators 2] [--cells 30]
-        [--samples 64] [--work 20] [-o FILE]
+        [--rich] [--samples 64] [--work 20] [--key NAME] [-o FILE]
     python benchmarks/graph_policy.py public --data DIR [--sets fjsp_sd2_10x5 ...] [--cells 20]
         [--samples 100] [-o FILE]
     python benchmarks/graph_policy.py boards [--cells 20] [--samples 64] [-o FILE]
@@ -12,7 +12,9 @@ takes.
 `cells` are `layered` ones, seeds 0, 1, ... (the trainer draws from another range); makespan alone
 counts. The yardstick is the proven optimum, or the bound where `--work` (CP-SAT's deterministic
 seconds) proves none; gaps are the mean in per cent with a 95 % bootstrap interval. `best-of-n` is
-the rule of that name, at as many schedules. Milliseconds are processor time.
+the rule of that name, at as many schedules, and `exact` the planner with one worker for as many
+seconds as these schedules of the network took. Milliseconds are processor time. `--rich` gives the
+cells joint ways, tools and a zone.
 
 `public` are flexible job shops made by others, evenly spread over each set; gaps are to the best
 makespan known, beside what was published. `boards` are the chessboards of Yu (2020), seeds 0, 1,
@@ -44,8 +46,11 @@ from tandem.cell.model import Cell
 from tandem.files import atomic
 from tandem.files.generators import layered
 from tandem.files.load import load
+from tandem.files.validate import cell_of
 from tandem.learn.graph.making import Maker
+from tandem.learn.graph.method import by_weights, weights_of_stress
 from tandem.learn.graph.outlook import Outlook
+from tandem.learn.graph.training_cells import add_joint_ways, add_tools, add_zone
 from tandem.learn.graph.weights import shipped
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule
@@ -58,12 +63,23 @@ SETS = ("fjsp_sd1_10x5", "fjsp_sd1_20x5", "fjsp_sd2_10x5", "fjsp_sd2_20x5", "fjs
 THESIS = Path("examples/thesis.yaml")
 
 
-def unseen_cells(tasks: Sequence[int], operators: int, count: int) -> Iterator[tuple[int, Cell]]:
-    """Size and cell: so many of each size, half of the operators human."""
+def unseen_cells(
+    tasks: Sequence[int], operators: int, count: int, rich: bool = False
+) -> Iterator[tuple[int, Cell]]:
+    """Size and cell: so many of each size, half of the operators human. Those that are `rich` have
+    joint ways, tools and a zone.
+    """
     for size in tasks:
         for seed in range(count):
             humans = (operators + 1) // 2
-            yield size, layered(size, humans, operators - humans, seed=seed)
+            cell = layered(size, humans, operators - humans, seed=seed)
+            if rich:
+                data, rng = cell.to_dict(), np.random.default_rng(seed)
+                add_joint_ways(data, rng)
+                add_tools(data, rng)
+                add_zone(data, rng)
+                cell = cell_of(data)
+            yield size, cell
 
 
 def least(states: Sequence[PartialSchedule | None]) -> float:
@@ -95,15 +111,16 @@ def by_policy(layout: Layout, samples: int) -> dict[str, float]:
         f"best of {samples}": least([greedy, *drawn]),
         "look us": 1e6 * (looked - began),
         "decision us": 1e6 * (chosen - looked) / len(layout.steps),
+        "s": time.process_time() - began,
     }
 
 
 def measured(layout: Layout, samples: int, bound: float) -> dict[str, float]:
     """Gaps above the bound, ticks, as shares of it, and the times."""
     found = by_policy(layout, samples)
-    best = {name: rule(layout, name, samples) for name in SPECS if name != "random"}
+    best = {name: rule(layout, name, samples) for name in SPECS}
     ends = {name: found.pop(name) for name in ("greedy", f"best of {samples}")}
-    ends["best-of-n"] = best.pop("best-of-n")
+    ends["best-of-n"], ends["random"] = best.pop("best-of-n"), best.pop("random")
     ends["best rule without draws"] = min(best.values())
     return {**{name: end / bound - 1 for name, end in ends.items()}, **found}
 
@@ -123,6 +140,8 @@ def told(first: dict[str, Any], rows: Sequence[dict[str, float]]) -> dict[str, A
         values = [row[name] for row in rows]
         if name.endswith(" us"):
             document[name] = round(float(np.median(values)))
+        elif name == "s":
+            document[name] = round(float(np.median(values)), 2)
         elif name == "proven":
             document[name] = sum(values) / len(rows)
         else:
@@ -135,21 +154,27 @@ def told(first: dict[str, Any], rows: Sequence[dict[str, float]]) -> dict[str, A
 def cells(asked: argparse.Namespace) -> dict[str, Any]:
     """Generated cells against their optimum or bound."""
     document: dict[str, Any] = {
-        key: getattr(asked, key) for key in ("operators", "cells", "samples", "work")
+        key: getattr(asked, key) for key in ("operators", "rich", "cells", "samples", "work")
     }
     rows: dict[int, list[dict[str, float]]] = {}
     # bounds that the file holds stay proven, whatever the weights are
     known = kept_in(asked.output).get(asked.key or "cells", {}).get("yardsticks", {})
     document |= {"rows": [], "yardsticks": known}
-    for size, cell in unseen_cells(asked.tasks, asked.operators, asked.cells):
+    for size, cell in unseen_cells(asked.tasks, asked.operators, asked.cells, asked.rich):
         layout = Layout.of(Instance.of(cell))
         bound, proven = known.get(cell.digest) or yardstick(cell, asked.work)
         known[cell.digest] = (bound, proven)
         found = measured(layout, asked.samples, bound * layout.instance.per_second)
+        found["exact"] = as_long(cell, found["s"]) / bound - 1
         rows.setdefault(size, []).append({**found, "proven": float(proven)})
         if len(rows[size]) == asked.cells:
             document["rows"].append(told({"tasks": size}, rows[size]))
     return document
+
+
+def as_long(cell: Cell, seconds: float) -> float:
+    """Seconds of the schedule that the planner finds in so many seconds."""
+    return plan(cell, QUICKEST, time_limit=seconds, workers=1, confirm=False)[0].makespan
 
 
 def yardstick(cell: Cell, work: float) -> tuple[float, bool]:
@@ -241,16 +266,11 @@ def moved(cell: Cell, samples: int) -> set[tuple[float, float]]:
     """What the policy finds, without rules, that nothing else of it beats: so many schedules at
     each weight of stress.
     """
-    from tandem.learn.graph.method import weights_of_stress
-
-    layout, random = Layout.of(Instance.of(cell)), np.random.default_rng(0)
-    instance, found = layout.instance, set[tuple[float, float]]()
-    for weight in weights_of_stress(layout, Question()):
-        maker = Maker.of(shipped(), Outlook.of(layout, weight))
-        for sample in range(samples):
-            state = maker.build(random if sample else None)
-            if state is not None:
-                found.add((instance.seconds(state.makespan), instance.stress(state.stress)))
+    layout, found = Layout.of(Instance.of(cell)), set[tuple[float, float]]()
+    instance = layout.instance
+    for state in by_weights(layout, shipped(), weights_of_stress(layout, Question()), samples, 0):
+        if state is not None:
+            found.add((instance.seconds(state.makespan), instance.stress(state.stress)))
     return {
         one
         for one in found
@@ -291,6 +311,7 @@ def main() -> int:
     parser.add_argument("part", choices=PARTS)
     parser.add_argument("--tasks", type=int, nargs="+", default=[10, 20, 50])
     parser.add_argument("--operators", type=int, default=2)
+    parser.add_argument("--rich", action="store_true", help="with joint ways, tools and a zone")
     parser.add_argument("--cells", type=int, default=30, help="of each size or set")
     parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--work", type=float, default=20.0, help="for the yardstick of a cell")

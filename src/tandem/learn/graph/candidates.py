@@ -8,6 +8,7 @@ an optimum. A choice that starts later than another one is a wait.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -28,6 +29,8 @@ LENGTHS = np.array([2, 3, 5, 8])
 MOMENTS = np.array([1.0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0])
 """Which of them count as shares too, and which are moments, so that they count from now."""
 FEW, EXACT = 12, 1e-9
+GROUPS = {"bounds": (5, 6, 7, 8), "what suits whom": (9, 10), "the chain behind": (3, 12)}
+"""Some of the values of a choice by what they say of it."""
 
 Rows = np.ndarray[Any, np.dtype[np.int64]]
 
@@ -111,6 +114,14 @@ class Making:
         self.cheap -= outlook.cheap[task]
         self.easy -= outlook.easiest[task]
         self.left -= 1
+
+
+def columns(values: Sequence[int]) -> tuple[int, ...]:
+    """The features that say something of these values: beside the best choice, as shares, and of
+    the best.
+    """
+    shares = [OF_CHOICE + at for at, value in enumerate(LENGTHS.tolist()) if value in values]
+    return (*values, *shares, *(OF_CHOICE + OF_LENGTH + value for value in values))
 
 
 def features(making: Making, choices: Choices) -> Array:

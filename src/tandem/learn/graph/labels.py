@@ -1,8 +1,8 @@
 """What the policy learns from: decisions in training cells, with what each choice loses.
 
-Where a dozen tasks or so are left, the losses of all choices are exact (`optimum`), in states that
-the policy itself comes to. Of a cell with more tasks there is also a good schedule, whose choices
-lose nothing; of the others nothing is known.
+Where few tasks are left the losses of all choices are exact (`optimum`), else as far as a search by
+insertion sees that goes on behind each of them (`near_optimum`). The states are those that the
+policy itself comes to.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.learn.graph.candidates import Choices, Making, features
 from tandem.learn.graph.making import Maker, retold
+from tandem.learn.graph.near_optimum import FINE, NearSearch
 from tandem.learn.graph.network import Weights
 from tandem.learn.graph.optimum import Search
 from tandem.learn.graph.outlook import Outlook
@@ -28,18 +29,40 @@ from tandem.plan.list_scheduling import Layout, PartialSchedule
 from tandem.plan.rules import SPECS, SWEEP, build, exchange_of
 from tandem.plan.starts import Starts
 
-WITHOUT_STRESS = 0.4
+WITHOUT_STRESS = 0.5
 """The share of cells in which time alone counts."""
-MOST_LOSS, UNKNOWN = 1.0, 0.15
+MOST_LOSS, UNKNOWN = 1.0, 1.0
 """Mean task times: larger losses are not told apart; what a choice is taken to lose of which only
 is known that a good schedule does without it.
 """
-ASTRAY = 0.3
-"""How often a choice is drawn from all whose loss is told, instead of from the best ones, or from
-the policy's.
+ASTRAY, WARM = 0.15, 0.5
+"""How often a choice is drawn from all that lose little enough to be told apart, instead of what
+the policy draws, its logits divided by `WARM`.
 """
-NODES = 50_000
+NODES = 20_000
 """Of a search for exact losses."""
+
+
+@dataclass(frozen=True)
+class Looks:
+    """How well labels are looked up.
+
+    Attributes:
+      exact: losses are exact where at most so many tasks are left.
+      told: so many decisions of a cell are labelled in the mean.
+      known: visits for each task of the search for a good schedule of what is left, before the
+        choices are looked at.
+      each: the same behind each choice.
+      own: 0, or nothing is looked up: the best of so many schedules that the policy draws is taken
+        to be right, and all that it does without to lose `UNKNOWN`.
+    """
+
+    exact: int = 8
+    told: int = 8
+    known: int = 300
+    each: int = 25
+    own: int = 0
+
 
 Arrays = dict[str, np.ndarray[Any, Any]]
 
@@ -68,6 +91,7 @@ class Label:
         return Outlook.of(layout_of(training_cell(self.number, self.most_tasks)), self.exchange)
 
 
+Losses = np.ndarray[Any, Any]
 Decided = tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]
 """What was seen of the choices of a decision, their rows, and what they lose."""
 
@@ -86,12 +110,11 @@ def drawn_exchange(number: int, layout: Layout) -> float:
 
 
 def label(
-    weights: Weights | None, number: int, most_tasks: int, exact: int, passed: int
+    weights: Weights | None, number: int, most_tasks: int, looks: Looks
 ) -> tuple[Label, Outlook] | None:
-    """Decisions of the training cell of this number, and the cell as the network sees it: those
-    that the policy comes to, or without `weights` those near optimal ones, where at most `exact`
-    tasks are left; and in larger cells those of the schedule that a local search finds which passes
-    so many tasks by. None where no decision has two choices.
+    """Decisions of the training cell of this number, and the cell as the network sees it: some of
+    those that the policy comes to, or without `weights` of those on nearly optimal ways. None where
+    no decision has two choices.
     """
     layout = layout_of(training_cell(number, most_tasks))
     exchange = drawn_exchange(number, layout)
@@ -99,9 +122,10 @@ def label(
     if layout.impossible() or not Search.can(outlook):
         return None
     maker = None if weights is None else Maker.of(weights, outlook)
-    found = list(visited(outlook, maker, exact, rng))
-    if len(layout.steps) > exact:
-        found += list(shown(outlook, searched(layout, exchange, passed, number)))
+    if looks.own and maker is not None:
+        found = list(shown(outlook, best_own(maker, looks.own, rng)))
+    else:
+        found = list(visited(outlook, maker, looks, number, rng))
     if not found:
         return None
     seen, rows, losses = zip(*found, strict=True)
@@ -118,42 +142,66 @@ def label(
 
 
 def visited(
-    outlook: Outlook, maker: Maker | None, exact: int, rng: np.random.Generator
+    outlook: Outlook, maker: Maker | None, looks: Looks, number: int, rng: np.random.Generator
 ) -> Iterator[Decided]:
-    """The decisions on the way through the cell of which exact losses are known."""
-    search, making = Search(outlook), Making.of(outlook)
+    """Decisions on the way through the cell, with their losses."""
+    layout, making = outlook.layout, Making.of(outlook)
+    starts = searched(layout, outlook.exchange, looks.known * len(layout.steps), number)
+    near, exact = NearSearch(outlook, starts, number), Search(outlook)
+    share = looks.told / len(layout.steps)
     while making.left:
-        choices = making.choices()
-        losses = None
-        if len(choices.rows) > 1 and making.left <= exact:
-            most = MOST_LOSS * outlook.scale
-            losses = search.losses(making, choices.rows, choices.starts, most, NODES)
-        if losses is not None:
+        choices, losses = making.choices(), None
+        if len(choices.rows) > 1 and rng.random() < share:
+            losses = _losses(making, choices, near, exact, looks)
             told = np.minimum(losses / outlook.scale, MOST_LOSS)
             yield features(making, choices), choices.rows, told
-        at = _taken(making, choices, losses, maker, rng)
+        at = _taken(making, choices, losses, near, maker, rng)
         making.put(int(choices.rows[at]), int(choices.starts[at]))
+
+
+def _losses(
+    making: Making, choices: Choices, near: NearSearch, exact: Search, looks: Looks
+) -> Losses:
+    """Ticks that each choice loses."""
+    rows, starts = choices.rows, choices.starts
+    if making.left <= looks.exact:
+        most = MOST_LOSS * making.outlook.scale
+        found = exact.losses(making, rows, starts, most, NODES)
+        if found is not None:
+            return found
+    near.improve(making, looks.known)
+    return near.losses(making, rows, starts, looks.each)
 
 
 def _taken(
     making: Making,
     choices: Choices,
-    losses: np.ndarray[Any, Any] | None,
+    losses: Losses | None,
+    near: NearSearch,
     maker: Maker | None,
     rng: np.random.Generator,
 ) -> int:
     """Which of the choices is taken on the way."""
     astray = rng.random() < ASTRAY
-    if losses is not None and (astray or maker is None):
-        fine = np.flatnonzero(losses <= (making.outlook.scale * MOST_LOSS if astray else 0.0))
-        return int(rng.choice(fine))
-    if maker is None:
-        # too many tasks are left to know better: what ends first
-        return int((choices.starts + making.outlook.steps.ticks[choices.rows]).argmin())
-    return maker.chosen(making, choices, rng, 1.0)
+    if maker is not None and (losses is None or not astray):
+        return maker.chosen(making, choices, rng, WARM)
+    if losses is None:
+        losses = near.losses(making, choices.rows, choices.starts, 0)
+    fine = np.flatnonzero(losses <= (making.outlook.scale * MOST_LOSS if astray else 0.0))
+    return int(rng.choice(fine))
 
 
-def shown(outlook: Outlook, starts: Sequence[tuple[int, int]]) -> Iterator[Decided]:
+def best_own(maker: Maker, count: int, rng: np.random.Generator) -> Starts:
+    """The best of so many schedules that the policy draws as it was trained. Assumes a cell without
+    limits.
+    """
+    drawn = [maker.build(rng, 1.0) for _ in range(count)]
+    states = [state for state in drawn if state is not None]
+    best = min(states, key=lambda state: cost(state, maker.outlook.exchange))
+    return tuple(best.starts())
+
+
+def shown(outlook: Outlook, starts: Starts) -> Iterator[Decided]:
     """The decisions that lead to a schedule."""
     for making, choices, which in retold(outlook, starts):
         if len(choices.rows) < 2:
@@ -176,10 +224,6 @@ def searched(layout: Layout, exchange: float, passed: int, seed: int) -> Starts:
     search.begin(begin)
     search.go(passed)
     return search.best() or begin
-
-
-FINE = 1000
-"""Whole parts of a tick that the insertion search counts costs in."""
 
 
 def cost(state: PartialSchedule, exchange: float) -> float:

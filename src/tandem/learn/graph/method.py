@@ -13,7 +13,7 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.learn.graph.familiar import confidence
-from tandem.learn.graph.making import Maker
+from tandem.learn.graph.making import Maker, temperature_of
 from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.trained import weights_of
@@ -27,6 +27,8 @@ from tandem.plan.rules import SPECS, SWEEP, Attempts, attempts, best_of, drawn_t
 NAME = "learned"
 SAMPLES = 64
 """Schedules in all, unless another number is asked for."""
+WARMER = 1.7
+"""What temperature is multiplied by for a front: points between two weights are met by chance."""
 UNLIKE = ("random",)
 """Rules that are no yardstick: one schedule that is drawn."""
 
@@ -101,14 +103,25 @@ def _schedules(
 def _own(
     layout: Layout, network: Weights, question: Question, samples: int, seed: int
 ) -> Iterator[PartialSchedule | None]:
-    """The policy's schedules: of each weight of stress one greedy, then as many drawn."""
-    random = np.random.default_rng(seed)
+    """The policy's schedules, shared out over the weights of stress."""
     weights = weights_of_stress(layout, question)
+    for state in by_weights(layout, network, weights, samples // len(weights), seed):
+        yield drawn_together(layout, state)
+
+
+def by_weights(
+    layout: Layout, network: Weights, weights: Sequence[float], each: int, seed: int
+) -> Iterator[PartialSchedule | None]:
+    """Schedules by the policy: of each weight of stress one greedy, then drawn ones up to `each`.
+    Where there are several weights, the drawn ones differ more.
+    """
+    random = np.random.default_rng(seed)
+    heat = temperature_of(len(layout.steps)) * (WARMER if len(weights) > 1 else 1.0)
     for weight in weights:
         maker = Maker.of(network, Outlook.of(layout, weight))
-        yield drawn_together(layout, maker.build())
-        for _ in range(samples // len(weights) - 1):
-            yield drawn_together(layout, maker.build(random))
+        yield maker.build()
+        for _ in range(each - 1):
+            yield maker.build(random, heat)
 
 
 def weights_of_stress(layout: Layout, question: Question) -> Sequence[float]:

@@ -20,7 +20,7 @@ from tandem.learn.networks import forward, init
 Array = Any
 Weights = dict[str, Any]
 
-WIDTH, HIDDEN, ROUNDS = 16, 64, 2
+WIDTH, HIDDEN, ROUNDS = 24, 128, 2
 
 
 def fresh(draw: Callable[[tuple[int, ...]], Array]) -> Weights:
@@ -53,22 +53,26 @@ def nodes(
     firsts = before / xp.maximum(before.sum(1, keepdims=True), 1)
     lasts = before.T / xp.maximum(before.sum(0)[:, None], 1)
     for turn in range(ROUNDS):
-        shape = (*able.shape[:2], WIDTH)
-        seen = xp.concatenate(
-            [
-                xp.broadcast_to(task[:, None], shape),
-                xp.broadcast_to(operator[None], shape),
-                pairs,
-            ],
-            -1,
-        )
-        told = forward(xp, weights[f"to operators {turn}"], seen, "relu") * able
+        told = _of_pairs(xp, weights[f"to operators {turn}"], task, operator, pairs) * able
         operator = operator + told.sum(0) / xp.maximum(able.sum(0), 1)
         mine = (operator[None] * able).sum(1) / xp.maximum(able.sum(1), 1)
         pair = (pairs * able).sum(1) / xp.maximum(able.sum(1), 1)
         heard = xp.concatenate([task, firsts @ task, lasts @ task, mine, pair], -1)
         task = task + forward(xp, weights[f"to tasks {turn}"], heard, "relu")
     return task, operator
+
+
+def _of_pairs(
+    xp: ModuleType, network: Weights, task: Array, operator: Array, pairs: Array
+) -> Array:
+    """`[N, O, WIDTH]`: a perceptron over task, operator and pair; in its first layer the tasks' and
+    the operators' shares are worked out before they meet.
+    """
+    first, second = network["0"], network["1"]
+    of_task, of_operator, of_pair = xp.split(first["weight"], (WIDTH, 2 * WIDTH))
+    own = task @ of_task + first["bias"][None]
+    flow = own[:, None] + (operator @ of_operator)[None] + pairs @ of_pair
+    return xp.maximum(flow, 0) @ second["weight"] + second["bias"][None, None]
 
 
 def lasting(xp: ModuleType, weights: Weights, task: Array, group: Array, fixed: Array) -> Array:

@@ -30,9 +30,9 @@ SLOTS, WIDE = 1 << 12, 4
 EXACT = 1e-9
 """Ticks that make no difference."""
 
-_entry: Any = njit(cache=True)
+compiled: Any = njit(cache=True)
 _from_compiled: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-_inner: Any = njit(cache=True, **_from_compiled)
+inner: Any = njit(cache=True, **_from_compiled)
 """What is compiled: called from here, and from compiled code alone."""
 
 
@@ -56,6 +56,29 @@ class Start(NamedTuple):
     waiting: np.ndarray
     left: np.ndarray
     clock: int
+
+
+def start_of(making: Making) -> Start:
+    """Where the search begins: what the schedule in the making leaves free, and when."""
+    state = making.state
+    instance = state.instance
+    free = np.zeros(count_of_resources(instance), np.int64)
+    operators = len(state.free)
+    free[:operators] = state.free
+    for zone, places in enumerate(state.zone_free):
+        if len(places) == 1:
+            free[operators + zone] = places[0]
+    for tool, places in enumerate(state.tool_free):
+        if len(places) == 1:
+            free[operators + len(instance.zones) + tool] = places[0]
+    left = np.array([one < 0 for one in state.start], np.bool_)
+    return Start(
+        free,
+        np.array(state.ready, np.int64),
+        np.array(state.waiting, np.int64),
+        left,
+        making.clock,
+    )
 
 
 class Search:
@@ -89,7 +112,7 @@ class Search:
         `most`. None when that takes more than `nodes` nodes in all, or more than `MOST_LEFT`
         tasks are left.
         """
-        start, found, left = self._start(making), np.full(len(rows), np.inf), nodes
+        start, found, left = start_of(making), np.full(len(rows), np.inf), nodes
         if start.left.sum() > MOST_LEFT:
             return None
         best = np.inf
@@ -106,27 +129,6 @@ class Search:
         found -= best
         found[found > most] = np.inf
         return found
-
-    def _start(self, making: Making) -> Start:
-        state = making.state
-        instance = state.instance
-        free = np.zeros(count_of_resources(instance), np.int64)
-        operators = len(state.free)
-        free[:operators] = state.free
-        for zone, places in enumerate(state.zone_free):
-            if len(places) == 1:
-                free[operators + zone] = places[0]
-        for tool, places in enumerate(state.tool_free):
-            if len(places) == 1:
-                free[operators + len(instance.zones) + tool] = places[0]
-        left = np.array([one < 0 for one in state.start], np.bool_)
-        return Start(
-            free,
-            np.array(state.ready, np.int64),
-            np.array(state.waiting, np.int64),
-            left,
-            making.clock,
-        )
 
 
 class _Todo(NamedTuple):
@@ -176,7 +178,7 @@ class _Memory(NamedTuple):
     turn: np.ndarray
 
 
-@_entry
+@compiled
 def _best(parts, bounds, begin, first, first_start, most, nodes):  # type: ignore[no-untyped-def]
     """Ticks that the rest of the makespan and the stress come to at best when way `first` starts at
     `first_start`, `most` or more where that is no less; and how many nodes were looked at.
@@ -213,7 +215,7 @@ def _best(parts, bounds, begin, first, first_start, most, nodes):  # type: ignor
     return best, used
 
 
-@_inner
+@inner
 def _todo(parts, begin):  # type: ignore[no-untyped-def]
     tasks = len(begin.ready)
     task_of = np.empty(len(parts.ticks), np.int64)
@@ -227,7 +229,7 @@ def _todo(parts, begin):  # type: ignore[no-untyped-def]
     return _Todo(order[:count], place, ~begin.left, task_of)
 
 
-@_inner
+@inner
 def _stack(bounds, begin, todo, ways):  # type: ignore[no-untyped-def]
     depth = len(todo.order) + 1
     stack = _Stack(
@@ -253,7 +255,7 @@ def _stack(bounds, begin, todo, ways):  # type: ignore[no-untyped-def]
     return stack
 
 
-@_inner
+@inner
 def _memory(numbers):  # type: ignore[no-untyped-def]
     return _Memory(
         np.full((SLOTS, WIDE), -1, np.int64),
@@ -263,7 +265,7 @@ def _memory(numbers):  # type: ignore[no-untyped-def]
     )
 
 
-@_inner
+@inner
 def _back(todo, stack, level):  # type: ignore[no-untyped-def]
     """To the node that this one came from; its task is not placed any more."""
     level -= 1
@@ -272,7 +274,7 @@ def _back(todo, stack, level):  # type: ignore[no-untyped-def]
     return level
 
 
-@_inner
+@inner
 def _place(parts, bounds, todo, stack, level):  # type: ignore[no-untyped-def]
     """Places what the node looks at, into the row below; gives its task."""
     at, below = stack.at[level] - 1, level + 1
@@ -298,7 +300,7 @@ def _place(parts, bounds, todo, stack, level):  # type: ignore[no-untyped-def]
     return task
 
 
-@_inner
+@inner
 def _was_seen(todo, stack, memory, level):  # type: ignore[no-untyped-def]
     """Whether a node with the same tasks was no later in any number; else this one is kept."""
     resources, clock, mask = stack.free.shape[1], stack.clock[level], stack.mask[level]
@@ -322,7 +324,7 @@ def _was_seen(todo, stack, memory, level):  # type: ignore[no-untyped-def]
     return False
 
 
-@_inner
+@inner
 def _branch(parts, bounds, todo, stack, level, best):  # type: ignore[no-untyped-def]
     """What may come next, by bound; false when nothing that is better than `best` can."""
     many, soonest, floor = 0, 1 << 60, float(stack.free[level].max())
@@ -352,7 +354,7 @@ def _branch(parts, bounds, todo, stack, level, best):  # type: ignore[no-untyped
     return True
 
 
-@_inner
+@inner
 def _earliest(parts, stack, level, task, way):  # type: ignore[no-untyped-def]
     moment = max(stack.ready[level, task], stack.clock[level])
     for index in range(parts.who_of[way], parts.who_of[way + 1]):
@@ -360,7 +362,7 @@ def _earliest(parts, stack, level, task, way):  # type: ignore[no-untyped-def]
     return moment
 
 
-@_inner
+@inner
 def _bound(parts, bounds, todo, stack, level, way, moment, floor):  # type: ignore[no-untyped-def]
     """Ticks that no end is below when the way starts at this moment."""
     task, end, free = todo.task_of[way], moment + parts.ticks[way], stack.free[level]
@@ -375,7 +377,7 @@ def _bound(parts, bounds, todo, stack, level, way, moment, floor):  # type: igno
     return stack.paid[level] + max(work, stress + max(floor, end + bounds.chain[task]))
 
 
-@_inner
+@inner
 def _sort_in(parts, stack, level, kept, way, moment, bound):  # type: ignore[no-untyped-def]
     """Among the first `kept`, by bound and then by end."""
     kid, start, bounds = stack.kid[level], stack.kid_start[level], stack.kid_bound[level]

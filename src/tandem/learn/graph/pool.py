@@ -11,16 +11,18 @@ from typing import Any
 import numpy as np
 
 from tandem.learn.graph.candidates import FEATURES
-from tandem.learn.graph.labels import Arrays, Label
+from tandem.learn.graph.labels import Arrays, Label, Looks, label
+from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
 
 DECISIONS = 8
 """Decisions of a cell in a batch."""
-SIZES = ((16, 128), (40, 256))
-"""Tasks and steps that cells are padded to: no larger ones are trained on."""
-MOST_OPERATORS = 6
-CHOICES = 9
-"""Choices of a decision in the mean for which a batch has room: what does not fit is left out."""
+SIZES = ((16, 5, 80), (32, 5, 160), (64, 5, 320), (64, 10, 700))
+"""Tasks, operators and steps that cells are padded to: no larger ones are trained on."""
+CHOICES = (8, 11, 13, 18)
+"""Of cells of each size, choices of a decision in the mean for which a batch has room: what does
+not fit is left out.
+"""
 
 
 @dataclass(frozen=True)
@@ -38,17 +40,17 @@ class Seen:
     def of(cls, label: Label, outlook: Outlook) -> Seen:
         """The label with the relations of its cell."""
         steps = outlook.steps
-        tasks = len(outlook.tasks)
-        fit = [size for size in SIZES if tasks <= size[0] and len(steps.task) <= size[1]]
-        size = SIZES.index(fit[0])
+        needed = (*outlook.pairs.shape[:2], len(steps.task))
+        size = next(at for at, room in enumerate(SIZES) if all(map(int.__le__, needed, room)))
+        tasks, operators, rows = SIZES[size]
         lengths = {
-            "tasks": (SIZES[size][0],),
-            "operators": (MOST_OPERATORS,),
-            "pairs": (SIZES[size][0], MOST_OPERATORS),
-            "before": (SIZES[size][0], SIZES[size][0]),
-            "step task": (SIZES[size][1],),
-            "step share": (SIZES[size][1], MOST_OPERATORS),
-            "step fixed": (SIZES[size][1],),
+            "tasks": (tasks,),
+            "operators": (operators,),
+            "pairs": (tasks, operators),
+            "before": (tasks, tasks),
+            "step task": (rows,),
+            "step share": (rows, operators),
+            "step fixed": (rows,),
         }
         parts = (
             outlook.tasks,
@@ -67,6 +69,12 @@ class Seen:
         return cls(label, cell, np.cumsum([0, *label.sizes]), size)
 
 
+def labelled(weights: Weights | None, looks: Looks, number: int, most_tasks: int) -> Seen | None:
+    """The labelled cell of this number; None where nothing is to be learned. See `label`."""
+    told = label(weights, number, most_tasks, looks)
+    return None if told is None else Seen.of(*told)
+
+
 def batch(pool: Sequence[Sequence[Seen]], rng: np.random.Generator, cells: int) -> Arrays:
     """So many cells of one size, drawn evenly, and some decisions of each.
 
@@ -79,9 +87,10 @@ def batch(pool: Sequence[Sequence[Seen]], rng: np.random.Generator, cells: int) 
       rows of padding belong to the decision behind the last.
     """
     counts = np.array([len(one) for one in pool])
-    mine = pool[int(rng.choice(len(pool), p=counts / counts.sum()))]
+    size = int(rng.choice(len(pool), p=counts / counts.sum()))
+    mine = pool[size]
     drawn = [mine[at] for at in rng.integers(len(mine), size=cells)]
-    rows = cells * DECISIONS * CHOICES
+    rows = cells * DECISIONS * CHOICES[size]
     found: Arrays = {
         "seen": np.zeros((rows, FEATURES), np.float32),
         "cell": np.zeros(rows, np.int32),

@@ -1,6 +1,6 @@
-"""Training the policy for any cell by imitation: first of exact decisions in small cells, then,
-round by round, of what is exactly or nearly best in the states that the policy itself comes to, in
-larger cells too (Ross, Gordon and Bagnell 2011, "A Reduction of Imitation Learning and Structured
+"""Training the policy for any cell by imitation: first of decisions on nearly optimal ways, then,
+round by round, of what is exactly or nearly best in the states that the policy itself comes to
+(Ross, Gordon and Bagnell 2011, "A Reduction of Imitation Learning and Structured
 Prediction to No-Regret Online Learning"). The targets are all choices, each by how much it loses.
 
 A run is kept in a folder after each round and goes on there, to the bit: every cell and every draw
@@ -10,9 +10,12 @@ follows from a number.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
-from functools import cache
+import multiprocessing
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +26,14 @@ import optax
 
 from tandem.errors import UsageError
 from tandem.files.atomic import store
-from tandem.learn.graph.labels import Label, label, read, written
+from tandem.learn.graph.labels import Label, Looks, read, written
 from tandem.learn.graph.network import Weights, fresh, lasting, nodes, scores
-from tandem.learn.graph.outlook import Outlook
-from tandem.learn.graph.pool import DECISIONS, SIZES, Seen, batch
+from tandem.learn.graph.pool import DECISIONS, SIZES, Seen, batch, labelled
 from tandem.learn.graph.weights import packed, unpacked
 
 Leaves = dict[str, Any]
+APART = 1_000_000
+"""So many numbers lie between the cells of one seed and those of the next."""
 
 
 @dataclass(frozen=True)
@@ -37,31 +41,33 @@ class Config:
     """How the policy is trained.
 
     Attributes:
-      first: cells of up to `small` tasks that are labelled before the first round; `first_steps` of
-        the optimiser follow.
-      rounds: each draws `drawn` new cells of up to `small` tasks and `drawn_large` of up to
-        `most_tasks`, labels what the policy does there, and takes `steps` steps over all labels.
-      exact: losses are exact where at most so many tasks are left.
-      passed: tasks that the local search passes by for the schedule of a large cell.
-      sharp: mean task times; a choice that loses so much counts 1/e of one that loses nothing.
+      first, first_large: cells of up to `small` and of up to `most_tasks` tasks that are labelled
+        before the first round, on nearly optimal ways; `first_steps` of the optimiser follow.
+      rounds: each draws `drawn` and `drawn_large` new cells, labels what the policy does there, and
+        takes `steps` steps over all labels.
+      looks: how well labels are looked up.
+      sharp: mean task times; a choice that loses so much counts 1/e of one that loses nothing. A
+        negative number lets one of the best alone be right.
       batch: cells a step; `rate` of Adam, half of it from the first round on; it falls to a
         fiftieth each time.
+      blind: numbers of features of a choice that the network does not see.
     """
 
     seed: int = 0
-    first: int = 800
+    first: int = 2000
+    first_large: int = 1500
     small: int = 14
-    first_steps: int = 1000
-    rounds: int = 5
-    drawn: int = 120
-    drawn_large: int = 60
-    most_tasks: int = 40
-    exact: int = 14
-    passed: int = 100_000
-    steps: int = 500
-    sharp: float = 0.05
+    most_tasks: int = 60
+    first_steps: int = 1500
+    rounds: int = 1
+    drawn: int = 2500
+    drawn_large: int = 2000
+    steps: int = 5000
+    looks: Looks = field(default_factory=Looks)
+    sharp: float = 0.04
     batch: int = 24
     rate: float = 4e-3
+    blind: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -73,16 +79,19 @@ class Told:
     labels: int
 
 
-def train(config: Config, folder: Path, on_round: Callable[[Told], None]) -> Weights:
+def train(
+    config: Config, folder: Path, on_round: Callable[[Told], None], workers: int = 1
+) -> Weights:
     """The weights after the last round, in NumPy. `folder` keeps the run; where it holds one of the
-    same configuration, that goes on.
+    same configuration, that goes on. Labels are looked up by so many processes, which changes
+    nothing of them.
 
     Raises UsageError when it holds another one.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    run = _Run.resumed(config, folder)
+    run = _Run.resumed(config, folder, workers)
     if run is None:
-        run = _Run.begun(config, folder)
+        run = _Run.begun(config, folder, workers)
         on_round(run.told())
     while run.round < config.rounds:
         run.go_on()
@@ -90,10 +99,25 @@ def train(config: Config, folder: Path, on_round: Callable[[Told], None]) -> Wei
     return unpacked(run.weights)
 
 
+Each = Callable[[Callable[[int, int], Seen | None], Iterable[int], Iterable[int]], Iterator[Any]]
+"""`map` over numbers and sizes of cells."""
+
+
+@contextmanager
+def labelling(workers: int) -> Iterator[Each]:
+    """`map` in this process, or in so many of their own."""
+    if workers == 1:
+        yield map
+        return
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+        yield partial(pool.map, chunksize=4)
+
+
 @dataclass
 class _Run:
     config: Config
     folder: Path
+    workers: int
     weights: Leaves
     adam: Any
     pool: list[list[Seen]]
@@ -101,23 +125,26 @@ class _Run:
     loss: float = float("nan")
 
     @classmethod
-    def begun(cls, config: Config, folder: Path) -> _Run:
-        """A run that has imitated the exact decisions."""
+    def begun(cls, config: Config, folder: Path, workers: int) -> _Run:
+        """A run that has imitated decisions on nearly optimal ways."""
         rng = np.random.default_rng(config.seed)
         weights = packed(fresh(lambda shape: rng.uniform(-1, 1, shape).astype(np.float32)))
-        run = cls(config, folder, weights, _adam().init(weights), _empty())
-        run.add(label(None, at, config.small, config.exact, 0) for at in range(config.first))
+        # a weight that starts at 0 under an input of 0 stays there
+        weights["choice/0/weight"][list(config.blind)] = 0.0
+        run = cls(config, folder, workers, weights, _adam().init(weights), _empty())
+        known = unpacked(run.weights) if config.looks.own else None
+        run.add(known, 0, config.first, config.first_large)
         run.learn(config.first_steps)
         run.keep()
         return run
 
     @classmethod
-    def resumed(cls, config: Config, folder: Path) -> _Run | None:
+    def resumed(cls, config: Config, folder: Path, workers: int) -> _Run | None:
         """The run in the folder; None where there is none."""
         if not (folder / "run.json").exists():
             return None
         kept = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-        if kept["config"] != asdict(config):
+        if kept["config"] != json.loads(json.dumps(asdict(config))):
             raise UsageError(
                 f"{folder}: holds a run of another configuration; name another folder."
             )
@@ -125,54 +152,49 @@ class _Run:
         weights = {name[2:]: arrays[name] for name in arrays if name.startswith("w/")}
         leaves, shape = jax.tree.flatten(_adam().init(weights))
         adam = jax.tree.unflatten(shape, [arrays[f"a/{at}"] for at in range(len(leaves))])
-        run = cls(config, folder, weights, adam, _empty(), kept["round"], kept["loss"])
+        run = cls(config, folder, workers, weights, adam, _empty(), kept["round"], kept["loss"])
         for at in range(kept["round"] + 1):
             for one in read(_loaded(folder / f"labels-{at}.npz")):
-                run.take(one, one.outlook())
+                run.take(Seen.of(one, one.outlook()))
         return run
 
     def go_on(self) -> None:
         """One round: the policy's own states, then steps over all labels."""
         config, weights = self.config, unpacked(self.weights)
-        each = config.drawn + config.drawn_large
-        begin = config.first + self.round * each
+        begin = config.first + config.first_large
+        begin += self.round * (config.drawn + config.drawn_large)
         self.round += 1
-        self.add(
-            label(
-                weights,
-                begin + at,
-                config.small if at < config.drawn else config.most_tasks,
-                config.exact,
-                config.passed,
-            )
-            for at in range(each)
-        )
+        self.add(weights, begin, config.drawn, config.drawn_large)
         self.learn(config.steps)
         self.keep()
 
-    def add(self, labels: Iterable[tuple[Label, Outlook] | None]) -> None:
-        """Takes the labels of a round, and writes them down."""
-        found = list[Label]()
-        for one in labels:
-            if one is not None:
-                found.append(one[0])
-                self.take(*one)
+    def add(self, weights: Weights | None, begin: int, small: int, large: int) -> None:
+        """Labels so many cells from number `begin` on, and writes that down."""
+        config, found = self.config, list[Label]()
+        begin += config.seed * APART
+        sizes = [config.small] * small + [config.most_tasks] * large
+        look = partial(labelled, weights, config.looks)
+        with labelling(self.workers) as each:
+            for one in each(look, range(begin, begin + len(sizes)), sizes):
+                if one is not None:
+                    found.append(one.label)
+                    self.take(one)
         _write(self.folder / f"labels-{self.round}.npz", written(found))
 
-    def take(self, label: Label, outlook: Outlook) -> None:
-        """Puts the label into the pool."""
-        seen = Seen.of(label, outlook)
+    def take(self, seen: Seen) -> None:
+        """Puts the labelled cell into the pool."""
         self.pool[seen.size].append(seen)
 
     def learn(self, steps: int) -> None:
         """So many steps of the optimiser over the labels in hand."""
         config, losses = self.config, []
         rng = np.random.default_rng((config.seed, self.round))
-        step = _step(config)
+        step = _step(config.batch, config.sharp)
         rate = config.rate / (2 if self.round else 1)
         falls = optax.cosine_decay_schedule(rate, max(steps, 1), alpha=0.02)
         for at in range(steps):
             drawn = batch(self.pool, rng, config.batch)
+            drawn["seen"][:, list(config.blind)] = 0.0
             self.weights, self.adam, loss = step(self.weights, self.adam, drawn, falls(at))
             losses.append(float(loss))
         self.loss = float(np.mean(losses[-200:]))
@@ -212,13 +234,13 @@ def _adam() -> optax.GradientTransformation:
 
 
 @cache
-def _step(config: Config) -> Any:
+def _step(cells: int, sharp: float) -> Any:
     adam = _adam()
-    count = config.batch * DECISIONS
+    count = cells * DECISIONS
 
     @jax.jit
     def step(weights: Leaves, state: Any, drawn: Leaves, rate: float) -> Any:
-        loss, gradient = jax.value_and_grad(_loss)(weights, drawn, count, config.sharp)
+        loss, gradient = jax.value_and_grad(_loss)(weights, drawn, count, sharp)
         change, state = adam.update(gradient, state, weights)
         moved = {name: part - rate * change[name] for name, part in weights.items()}
         return moved, state, loss
@@ -234,17 +256,32 @@ def _loss(leaves: Leaves, drawn: Leaves, count: int, sharp: float) -> Any:
         task, operator = nodes(
             jnp, weights, cell["tasks"], cell["operators"], cell["pairs"], cell["before"]
         )
-        group = cell["step share"] @ operator
-        return lasting(jnp, weights, task[cell["step task"]], group, cell["step fixed"])
+        return task, cell["step share"] @ operator
 
-    names = ("tasks", "operators", "pairs", "before", "step task", "step share", "step fixed")
-    steps = jax.vmap(of_cell)({name: drawn[name] for name in names})
-    logits = scores(jnp, weights, drawn["seen"], steps[drawn["cell"], drawn["row"]])
-    wanted = jnp.exp(_log_softmax(-drawn["loss"] / sharp, drawn["decision"], count))
+    names = ("tasks", "operators", "pairs", "before", "step share")
+    task, group = jax.vmap(of_cell)({name: drawn[name] for name in names})
+    # of the steps only those that are choices here
+    at = drawn["cell"], drawn["row"]
+    own = task[drawn["cell"], drawn["step task"][at]]
+    steps = lasting(jnp, weights, own, group[at], drawn["step fixed"][at])
+    logits = scores(jnp, weights, drawn["seen"], steps)
+    targets = wanted(drawn["loss"], drawn["decision"], count, sharp)
     likely = _log_softmax(logits, drawn["decision"], count)
     real = drawn["decision"] < count
     decisions = jnp.max(jnp.where(real, drawn["decision"], 0)) + 1
-    return -jnp.where(real, wanted * likely, 0.0).sum() / decisions
+    return -jnp.where(real, targets * likely, 0.0).sum() / decisions
+
+
+def wanted(losses: Any, decision: Any, count: int, sharp: float) -> Any:
+    """What each choice should be drawn with."""
+    if sharp > 0:
+        return jnp.exp(_log_softmax(-losses / sharp, decision, count))
+    # the first of the best
+    numbers = jnp.arange(len(losses))
+    least = jax.ops.segment_min(losses, decision, count + 1, indices_are_sorted=True)
+    numbers = jnp.where(losses <= least[decision], numbers, len(losses))
+    first = jax.ops.segment_min(numbers, decision, count + 1, indices_are_sorted=True)
+    return (numbers == first[decision]).astype(losses.dtype)
 
 
 def _log_softmax(values: Any, decision: Any, count: int) -> Any:
