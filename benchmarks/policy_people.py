@@ -186,11 +186,9 @@ def tables(document: dict[str, Any]) -> Iterator[str]:
                 for job in jobs([tasks])
                 if job.who == who and (one := results.get(job.file)) is not None
             ]
-            if mine:
-                times.append(
-                    " / ".join(f"{np.mean([t[part] for t in mine]):.1f}" for part in ("p50", "p99"))
-                )
-        if times:
+            shares = [f"{np.mean([t[part] for t in mine]):.1f}" for part in ("p50", "p99") if mine]
+            times.append(" / ".join(shares) or "–")
+        if "–" not in times:
             yield f"| {tasks} | {' | '.join(times)} |"
 
 
