@@ -413,6 +413,21 @@ def test_what_is_left_out_is_never_seen(tmp_path: Path) -> None:
     assert np.abs(weights[seen]).any(1).all()
 
 
+def test_each_ablation_leaves_out_one_thing_and_labels_as_many_cells() -> None:
+    pytest.importorskip("jax", reason="training needs the extra tandem[learn]")
+    from benchmarks.graph_training import ablations
+
+    configs = dict(ablations())
+    whole = configs.pop("nothing")
+    cells = whole.first + whole.first_large + whole.rounds * (whole.drawn + whole.drawn_large)
+    for config in configs.values():
+        drawn = config.rounds * (config.drawn + config.drawn_large)
+        assert config.first + config.first_large + drawn == cells
+        assert config.first_steps + config.rounds * config.steps == 1400
+        assert config != whole
+    assert len(set(configs.values())) == len(configs) == 6
+
+
 def test_the_page_tells_the_numbers_that_are_kept() -> None:
     kept = json.loads(Path("benchmarks/results/graph_policy.json").read_text())
     page = Path("docs/one-policy.md").read_text()
