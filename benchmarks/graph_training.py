@@ -63,7 +63,7 @@ def ablations() -> Iterator[tuple[str, Config]]:
         "first": SMALL.first + SMALL.drawn,
         "first_large": SMALL.first_large + SMALL.drawn_large,
     }
-    steps = SMALL.first_steps + SMALL.last_steps
+    steps = SMALL.first_steps + SMALL.steps
     yield "its own states (imitation only)", replace(SMALL, **cells, first_steps=steps, rounds=0)
     yield "losses (one right choice)", replace(SMALL, sharp=-1.0)
     yield "search (self-labelling only)", replace(SMALL, looks=Looks(own=32))

@@ -413,15 +413,40 @@ def test_what_is_left_out_is_never_seen(tmp_path: Path) -> None:
     assert np.abs(weights[seen]).any(1).all()
 
 
+def test_each_ablation_leaves_out_one_thing_and_labels_as_many_cells() -> None:
+    pytest.importorskip("jax", reason="training needs the extra tandem[learn]")
+    from benchmarks.graph_training import ablations
+
+    configs = dict(ablations())
+    whole = configs.pop("nothing")
+    cells = whole.first + whole.first_large + whole.rounds * (whole.drawn + whole.drawn_large)
+    for config in configs.values():
+        drawn = config.rounds * (config.drawn + config.drawn_large)
+        assert config.first + config.first_large + drawn == cells
+        assert config.first_steps + config.rounds * config.steps == 1400
+        assert config != whole
+    assert len(set(configs.values())) == len(configs) == 6
+
+
 def test_the_page_tells_the_numbers_that_are_kept() -> None:
     kept = json.loads(Path("benchmarks/results/graph_policy.json").read_text())
     page = Path("docs/one-policy.md").read_text()
-    names = {"cells": "tasks", "cells of 50": "tasks", "public": "set", "boards": "set"}
+    names = {
+        "cells": "{tasks} tasks",
+        "cells of 50": "{tasks} tasks",
+        "three operators": "{tasks} tasks, three operators",
+        "four operators": "{tasks} tasks, four operators",
+        "rich": "{tasks} tasks, joint ways, tools, a zone",
+        "large": "{tasks} tasks, best of 16",
+        "public": "{set}",
+        "boards": "{set}",
+    }
     for key, name in names.items():
         for row in kept[key]["rows"]:
             most = f"best of {kept[key]['samples']}"
             told = [f"{row[of]['gap']:g}" for of in ("greedy", most, "best-of-n")]
-            (line,) = (line for line in page.splitlines() if line.startswith(f"| {row[name]} |"))
+            begin = f"| {name.format(**row)} |"
+            (line,) = (line for line in page.splitlines() if line.startswith(begin))
             assert all(f" {number} " in line for number in told), line
     desk = kept["boards"]["rows"][0]["desk"]
     assert f"the desk {desk['greedy']:g} s and {desk['best of 64']:g} s" in page
