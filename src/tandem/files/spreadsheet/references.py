@@ -37,7 +37,9 @@ NO_TASK = {
 SEPARATORS = (r"[;\n]", r"[;\n,]", r"[;\n,/|+&]|\bund\b|\band\b", r"[;\n,/|+&\s]+|\bund\b|\band\b")
 """From the surest to the least sure; the first by which every part is a known task holds."""
 DAYS_AND_LAGS = re.compile(r"(.+?)\s*-?\s*(FS|EA|SS|AA|FF|EE|SF|AE)\s*([=+-].*)?", re.IGNORECASE)
-LAG = re.compile(r"(?<=\d)\s*-?\s*(FS|EA|SS|AA|FF|EE|SF|AE)\b\s*([=+-](?:[^;,\n]|,(?=\d))*)?", re.IGNORECASE)
+LAG = re.compile(
+    r"(?<=\d)\s*-?\s*(FS|EA|SS|AA|FF|EE|SF|AE)\b\s*([=+-](?:[^;,\n]|,(?=\d))*)?", re.IGNORECASE
+)
 """What stands behind a number of a task, kind of link and wait: "2FS+5 min"."""
 NO_LAG = re.compile(r"[=+-]+\s*P?T?0+([.,]0+)?\s*[^\W\d]*\.?", re.IGNORECASE)
 """A wait of 0 behind a link, as project tools write it: "2FS+0 d", "2-FS=P0D"."""
