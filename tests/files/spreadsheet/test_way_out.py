@@ -214,3 +214,96 @@ def test_a_heading_between_numbered_tasks_is_no_task(column: int, tmp_path: Path
                 else [[row[0], *row[2:]] for row in rows],
             )
         )
+
+
+STANDARD_WORK = [
+    ["Step", "Work element", "Manual [s]", "Automatic [s]", "Walk [s]", "Predecessor"],
+    [1, "Pick housing", 5, None, 2, None],
+    [2, "Press bearing", 3, 22, 2, 1],
+]
+
+
+def test_what_is_automatic_in_standard_work_is_asked_about(tmp_path: Path) -> None:
+    file = sheet(tmp_path / "standard.xlsx", STANDARD_WORK)
+    with pytest.raises(CellError) as refused:
+        import_cell(file)
+    (fault,) = refused.value.faults
+    assert fault.place == "Sheet1!D1"
+    assert "table of standard work" in fault.message
+    cell, _ = import_cell(file, robots=["Automatic"])
+    assert cell.tasks["2"].time == {"Manual": 3, "Automatic": 22}
+    alone, _ = import_cell(file, columns={"Automatic [s]": "ignore"})
+    assert alone.tasks["2"].time == {"Manual": 3}
+    # without walking they are two ways of doing a task
+    rows = [[*row[:4], row[5]] for row in STANDARD_WORK]
+    cell, _ = import_cell(sheet(tmp_path / "ways.xlsx", rows))
+    assert cell.operators["Automatic"].kind == "robot"
+
+
+def test_numbered_steps_are_named_by_the_column_beside(tmp_path: Path) -> None:
+    cell, _ = import_cell(
+        sheet(tmp_path / "steps.xlsx", STANDARD_WORK), columns={"Automatic [s]": "ignore"}
+    )
+    assert {name: task.label for name, task in cell.tasks.items()} == {
+        "1": "Pick housing",
+        "2": "Press bearing",
+    }
+
+
+PROJECT = [
+    ["Task name", "Duration [s]", "Resource names", "Predecessors"],
+    ["Pick", 12, "Worker A", None],
+    ["Place", 15, "Cobot", "1"],
+]
+
+
+@pytest.mark.parametrize(
+    ("link", "wait"),
+    [
+        ("2FS+50 s", 50),
+        ("2EA+1,5 Min.", 90),
+        ("1; 2FS+0.5 mins", 30),
+        ("1, 2 FS + 7 secs", 7),
+        ("2FS", None),
+        ("2FS+0 s", None),
+    ],
+)
+def test_a_wait_behind_a_link_of_a_project_tool(
+    link: str, wait: float | None, tmp_path: Path
+) -> None:
+    rows = [*PROJECT, ["Fasten", 20, "Worker A", link]]
+    cell, _ = import_cell(sheet(tmp_path / "lag.xlsx", rows))
+    fasten = cell.tasks["Fasten"]
+    assert fasten.after == (("Pick", "Place") if link.startswith("1") else ("Place",))
+    assert [(one.after, one.at_least) for one in fasten.wait] == [("Place", wait)] * bool(wait)
+
+
+@pytest.mark.parametrize("link", ["2FS+5", "2FS+5 days", "2FS-5 s", "2SS+5 s"])
+def test_a_link_that_no_cell_has_is_refused(link: str, tmp_path: Path) -> None:
+    with pytest.raises(CellError) as refused:
+        import_cell(sheet(tmp_path / "lag.xlsx", [*PROJECT, ["Fasten", 20, "Worker A", link]]))
+    (fault,) = refused.value.faults
+    assert fault.place == "Sheet1!D4"
+    assert f"holds {link!r}: a list of predecessors knows only end-to-start" in fault.message
+
+
+@pytest.mark.parametrize(("time", "said"), [("1,2", "no task takes more than 1.2 s"), ("12", "")])
+def test_times_of_a_second_are_rather_minutes(time: str, said: str, tmp_path: Path) -> None:
+    file = tmp_path / "times.csv"
+    file.write_text(f"Nr;Mensch;Roboter;Vorgänger\n10;0,5;0,4;\n20;{time};;10\n")
+    _, notes = import_cell(file)
+    (note,) = [str(note.message) for note in notes if "no unit is stated" in str(note.message)]
+    assert said in note
+    assert bool(said) == ("[min]" in note and "[TMU]" not in note)
+
+
+@pytest.mark.parametrize("header", ["Task #", "Step #", "Activity ID", "Element No."])
+def test_numbers_of_tasks_as_english_sheets_head_them(header: str, tmp_path: Path) -> None:
+    rows = [
+        [header, "Description", "Human [s]", "Robot [s]", "Predecessors"],
+        [10, "Insert", 12, None, None],
+        [20, "Screw", None, 15, 10],
+    ]
+    cell, _ = import_cell(sheet(tmp_path / "numbers.xlsx", rows))
+    assert cell.tasks["20"].after == ("10",)
+    assert cell.tasks["20"].label == "Screw"

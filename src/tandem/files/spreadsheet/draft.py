@@ -43,7 +43,13 @@ from tandem.files.spreadsheet.said import enumerated, say
 from tandem.files.spreadsheet.scores import AGGREGATES, without_scores
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.files.spreadsheet.values import marks_of
-from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, kind_of
+from tandem.files.spreadsheet.vocabulary import (
+    Meaning,
+    is_machine,
+    is_walking,
+    kind_of,
+    says_how_alone,
+)
 from tandem.files.spreadsheet.who_can import is_table_of_abilities, restrict, with_time_of_each
 from tandem.files.spreadsheet.workbook import open_book, refused
 
@@ -360,7 +366,7 @@ def _document(
     for name, place in tasks.operators.items():
         operators.setdefault(name, {})
         findings.places.setdefault(("operators", name), place)
-    _kinds(operators, kinds, findings)
+    _kinds(operators, kinds, _is_standard_work(table), findings)
     document: dict[str, Any] = {
         "format": 1,
         "name": _name(book, table, beside, findings),
@@ -397,8 +403,18 @@ def _name(book: Book, table: Table, beside: Beside, findings: Findings) -> str:
     return book.path.stem
 
 
+def _is_standard_work(table: Table) -> bool:
+    """Walking stands beside the times, so what is manual and automatic of a task may both happen,
+    one beside the other, as in a table of standard work.
+    """
+    return any(is_walking(column.header) for column in table.columns)
+
+
 def _kinds(
-    operators: dict[str, dict[str, Any]], kinds: dict[str, Kind], findings: Findings
+    operators: dict[str, dict[str, Any]],
+    kinds: dict[str, Kind],
+    standard_work: bool,
+    findings: Findings,
 ) -> None:
     by_key = {key(name): name for name in operators}
     for name, kind in kinds.items():
@@ -412,16 +428,22 @@ def _kinds(
     for name, data in operators.items():
         if "kind" in data:
             continue
-        if guess := kind_of(name):
+        if standard_work and says_how_alone(name):
+            data["kind"] = "human"
+            unclear.append(name)
+        elif guess := kind_of(name):
             data["kind"] = guess
             guessed.append(say(f"kind.{guess}", name=name))
         else:
             data["kind"] = "human"
             unclear.append(name)
     for name in unclear:
-        if is_machine(name):
+        if is_machine(name) or says_how_alone(name):
+            why = "is a machine by its name"
+            if not is_machine(name):
+                why = "stands beside a time for walking, as in a table of standard work"
             findings.fault(
-                f"operator {name!r} is a machine by its name. Does it do whole tasks by itself, as"
+                f"operator {name!r} {why}. Does it do whole tasks by itself, as"
                 f" the others could? Then say --machine {_quoted(name)}, or --robot"
                 f" {_quoted(name)} if it is a robot. If its time is a part of what a person does,"
                 ' leave it out (--map "HEADER=ignore" leaves out a column), or make loading,'

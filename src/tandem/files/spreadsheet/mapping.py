@@ -55,7 +55,7 @@ def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
     """
     rows = task_rows(table, Findings())
     columns = _with_known_names(table, known, findings)
-    columns = _one_name_for_each_task(columns)
+    columns = _one_name_for_each_task(_numbered(columns, table, rows))
     columns = settled_abilities(columns, table, rows, findings)
     columns = _who_takes_the_time(columns, findings)
     columns = _each_meaning_once(columns, findings)
@@ -190,6 +190,22 @@ def _with_scale(column: Column, spelled: Mapping[str, str], findings: Findings) 
         )
     percent = bool(re.search(r"%|percent|prozent|pct", scale, re.IGNORECASE))
     return replace(column, meaning=replace(bare, percent=percent, sure=what.sure))
+
+
+def _numbered(columns: list[Column], table: Table, rows: list[int]) -> list[Column]:
+    """Of two columns for the task, "Step" and "Work element", the first is its number where it
+    holds nothing but numbers.
+    """
+    roles = [column.meaning.what if column.meaning else "" for column in columns]
+    if "number" in roles or "label" in roles or roles.count("task") < 2:
+        return columns
+    at = roles.index("task")
+    column, what = columns[at], columns[at].meaning
+    held = [shown(table.grid.rows[row][column.index]) for row in rows]
+    if what is None or what.told or not all(re.fullmatch(r"\d+", text) for text in held):
+        return columns
+    columns[at] = replace(column, meaning=replace(what, what="number"))
+    return columns
 
 
 def _one_name_for_each_task(columns: list[Column]) -> list[Column]:

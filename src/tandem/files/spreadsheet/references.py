@@ -37,6 +37,10 @@ NO_TASK = {
 SEPARATORS = (r"[;\n]", r"[;\n,]", r"[;\n,/|+&]|\bund\b|\band\b", r"[;\n,/|+&\s]+|\bund\b|\band\b")
 """From the surest to the least sure; the first by which every part is a known task holds."""
 DAYS_AND_LAGS = re.compile(r"(.+?)\s*-?\s*(FS|EA|SS|AA|FF|EE|SF|AE)\s*([=+-].*)?", re.IGNORECASE)
+LAG = re.compile(
+    r"(?<=\d)\s*-?\s*(FS|EA|SS|AA|FF|EE|SF|AE)\b\s*([=+-](?:[^;,\n]|,(?=\d))*)?", re.IGNORECASE
+)
+"""What stands behind a number of a task, kind of link and wait: "2FS+5 min"."""
 NO_LAG = re.compile(r"[=+-]+\s*P?T?0+([.,]0+)?\s*[^\W\d]*\.?", re.IGNORECASE)
 """A wait of 0 behind a link, as project tools write it: "2FS+0 d", "2-FS=P0D"."""
 QUOTED = re.compile(r'"([^"]+)"')
@@ -96,7 +100,7 @@ class References:
         if self._dotted and not sheet_rows:
             return  # beside 1.1 and 1.2, a bare 1 is rather what they belong to
         free = sheet_rows or self.counted
-        texts = [shown(value) for value in values]
+        texts = [LAG.sub("", shown(value)) for value in values]
         numbers = {
             piece
             for text in texts
@@ -224,7 +228,10 @@ class References:
             ):
                 return [name]
             if name is not None:
-                only = "a list of predecessors knows only end-to-start (FS) without a lag"
+                only = (
+                    "a list of predecessors knows only end-to-start (FS), with a wait in seconds,"
+                    " minutes or hours at most"
+                )
                 raise LagError(
                     f"holds {part!r}: {only}; write {found[1]!r}, and the wait into a column 'Wait"
                     f" after', such as '{found[1]} >= 40'"

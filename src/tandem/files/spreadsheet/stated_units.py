@@ -5,6 +5,7 @@ cells themselves.
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 
 from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings, listed
@@ -12,13 +13,25 @@ from tandem.files.spreadsheet.grid import blank, letters
 from tandem.files.spreadsheet.header import TIMED, Column, Table
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.units import unclear_unit
-from tandem.files.spreadsheet.values import cannot, duration, is_number, unit_named, written
+from tandem.files.spreadsheet.values import (
+    UnreadableError,
+    cannot,
+    duration,
+    is_number,
+    number,
+    unit_named,
+    written,
+)
 from tandem.files.spreadsheet.vocabulary import PER_PIECE, QUOTES, split_unit
 
 UNIT_COLUMN = re.compile(
     r"|\w*einheit(en)?|(time )?units?( of (time|measure))?|uom|me|dim(ension)?"
 )
 """How a column of units is called; it may have no header at all."""
+
+
+SHORT = 5
+"""Seconds; where all tasks are shorter, their times are rather minutes."""
 
 
 def say_units(table: Table, columns: list[Column], rows: list[int], findings: Findings) -> None:
@@ -48,11 +61,21 @@ def say_units(table: Table, columns: list[Column], rows: list[int], findings: Fi
         )
         findings.fault(message, silent[0].place)
     elif silent:
-        findings.note(
-            "assumed",
-            say("unit.none", columns=names),
-            silent[0].place,
-        )
+        longest = _longest(table, silent, rows, findings)
+        short = 0 < longest < SHORT
+        said = say("unit.short" if short else "unit.none", columns=names, longest=longest)
+        findings.note("assumed", said, silent[0].place)
+
+
+def _longest(table: Table, columns: list[Column], rows: list[int], findings: Findings) -> float:
+    """The largest number of the columns; 0 where there is none that can be read."""
+    longest = 0.0
+    for column in columns:
+        for row in _bare_numbers(table, column, rows):
+            with suppress(UnreadableError):
+                value = number(table.grid.value(row, column.index), findings.marks)
+                longest = max(longest, float(value.value))
+    return longest
 
 
 def _refuse_an_unclear_unit(column: Column, findings: Findings) -> None:

@@ -35,7 +35,7 @@ from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.said import Said, enumerated, say
 from tandem.files.spreadsheet.scores import SCORE
 from tandem.files.spreadsheet.values import cannot, says_able
-from tandem.files.spreadsheet.waits import read_waits
+from tandem.files.spreadsheet.waits import Written, read_waits, wait_of, without_lags
 
 TEXTS = ("part", "tool", "zone", "place")
 STAND_IN = 1.0
@@ -800,17 +800,22 @@ def _waits(
     for entry, row, column in cells:
         place = table.grid.place(table.grid.origin(row, column.index), column.index)
         for wait in read_waits(table, row, column, unit_of(table, column), references, findings):
-            if wait["after"] not in found.tasks:
-                findings.fault(
-                    f"holds {wait['after']!r}, which is a summary or a milestone and nobody's work."
-                    " Name the task that is waited for.",
-                    place,
-                )
-                continue
-            waits = entry.data.setdefault("wait", [])
-            findings.places["tasks", entry.name, "wait", len(waits)] = place
-            waits.append(wait)
+            _wait(entry, wait, place, found, findings)
     return any("wait" in data for data in found.tasks.values())
+
+
+def _wait(entry: Entry, wait: dict[str, Any], place: str, found: Tasks, findings: Findings) -> None:
+    """Gives the task one more wait."""
+    if wait["after"] not in found.tasks:
+        findings.fault(
+            f"holds {wait['after']!r}, which is a summary or a milestone and nobody's work."
+            " Name the task that is waited for.",
+            place,
+        )
+        return
+    waits = entry.data.setdefault("wait", [])
+    findings.places["tasks", entry.name, "wait", len(waits)] = place
+    waits.append(wait)
 
 
 def _label(table: Table, entry: Entry) -> str:
@@ -837,8 +842,13 @@ def _list(
     if value is None:
         return
     place = table.grid.place(table.grid.origin(row, column.index), column.index)
+    lags = list[Written]()
+    if what == "after" and isinstance(value, str) and entry.name in found.tasks:
+        value, lags = without_lags(value)
     try:
         names = references.read(value)
+        for lag in lags:
+            _wait(entry, wait_of(lag, "s", references, findings), place, found, findings)
     except UnknownTaskError as error:
         findings.fault(sentence(error), place)
         return

@@ -72,6 +72,12 @@ NO_OPERATOR = re.compile(
 )
 """Kinds of time that no single operator spends on the task: such columns are listed as not read."""
 
+WALKING = re.compile(r"(walk|weg|geh|lauf)\w*( ?(time|zeit)\w*)?$")
+"""Times between tasks, as a table of standard work has them."""
+
+AUTOMATIC = frozenset(("automatic", "automatisch", "automation"))
+"""Words for work without a person that name no robot."""
+
 BOUNDS = re.compile(
     r"min|minimum|minimal|max|maximum|maximal|mean|avg|average|mittel|mittelwert|durchschnitt|typ"
 )
@@ -168,6 +174,16 @@ def is_kind_word(name: str) -> bool:
 def is_machine(name: str) -> bool:
     """The name is that of a machine, such as "Maschine 2", and not of a human or a robot."""
     return kind_of(name) is None and any(word in APPLIANCES for word in _words(name))
+
+
+def says_how_alone(name: str) -> bool:
+    """The name says only that nobody's hands are in it, "Automatic", not who works."""
+    return is_kind_word(name) and bool(AUTOMATIC & set(_words(name)))
+
+
+def is_walking(header: str) -> bool:
+    """The column is what somebody walks between tasks: "Walk", "Wegezeit [s]"."""
+    return bool(WALKING.match(key(split_unit(header)[0])))
 
 
 def split_unit(text: str) -> tuple[str, str | None]:

@@ -14,13 +14,18 @@ from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.precedence import sentence
 from tandem.files.spreadsheet.references import References, UnknownTaskError, unquoted
-from tandem.files.spreadsheet.values import UnreadableError, number, seconds
+from tandem.files.spreadsheet.values import UnreadableError, number, seconds, unit_named
 
 EXAMPLE = "'glue >= 40 <= 60' (seconds from its end), 'glue (start) >= 5' (from its start)"
 LEAST, MOST = (">=", "≥", "=>"), ("<=", "≤", "=<")
 BOUND = re.compile(r"\s*(>=|≥|=>|<=|≤|=<)\s*([\d.,]+(?:\s*[^\W\d_]+\.?)?)\s*")
 PART = re.compile(r'(?:"[^"]*"|[^;])+')
 FROM_START = re.compile(r"(.*\S)\s*\((?:start|begin|beginn|anfang)\)", re.IGNORECASE | re.DOTALL)
+
+LAGGED = re.compile(
+    r"([^;,\n]+?)\s*-?\s*(?:FS|EA)\s*\+\s*(\d+(?:[.,]\d+)?\s*([^\W\d]+)\.?)", re.IGNORECASE
+)
+"""A link of a project tool with a wait behind it: "2FS+5 min"."""
 
 
 class Written(NamedTuple):
@@ -55,6 +60,21 @@ def _written(part: str) -> Written:
     return Written(task, start is not None, found.get(True), found.get(False))
 
 
+def without_lags(text: str) -> tuple[str, list[Written]]:
+    """A list of predecessors without the waits that a project tool wrote into it, "1; 2FS+5 min",
+    and those waits; what has no unit of time up to hours stays in the list.
+    """
+    found = list[Written]()
+
+    def put_aside(lag: re.Match[str]) -> str:
+        if unit_named(lag[3]) is None or not re.match(r"[0.,]*[1-9]", lag[2]):
+            return lag[0]
+        found.append(Written(lag[1].strip(), False, lag[2], None))
+        return lag[1]
+
+    return LAGGED.sub(put_aside, text), found
+
+
 def read_waits(
     table: Table,
     row: int,
@@ -69,18 +89,29 @@ def read_waits(
     found = []
     try:
         for stated in written_waits(text):
-            wait: dict[str, Any] = {"after": _task(stated.task, references)}
-            if stated.from_start:
-                wait["between"] = "start-start"
-            for key, amount in (("at_least", stated.least), ("at_most", stated.most)):
-                if amount is not None:
-                    wait[key] = float(seconds(number(amount, findings.marks), unit)[0])
-            found.append(wait)
+            found.append(wait_of(stated, unit, references, findings))
     except UnknownTaskError as error:
         findings.fault(sentence(error), place)
     except UnreadableError as error:
         findings.fault(f"{error}: write {EXAMPLE}, several with semicolons.", place)
     return found
+
+
+def wait_of(
+    stated: Written, unit: str, references: References, findings: Findings
+) -> dict[str, Any]:
+    """The wait as a cell document holds it.
+
+    Raises:
+      UnknownTaskError: where it names no task; UnreadableError: for a number that is none.
+    """
+    wait: dict[str, Any] = {"after": _task(stated.task, references)}
+    if stated.from_start:
+        wait["between"] = "start-start"
+    for key, amount in (("at_least", stated.least), ("at_most", stated.most)):
+        if amount is not None:
+            wait[key] = float(seconds(number(amount, findings.marks), unit)[0])
+    return wait
 
 
 def _task(text: str, references: References) -> str:
