@@ -5,8 +5,8 @@ for anything that none of them is as good as, until there is nothing: each known
 of which a schedule must be less in the makespan or in a measure (Sylva and Crema 2004, European
 Journal of Operational Research 158:46-55). That is asked in slices of the makespan, from the least
 on: when a slice has nothing left, its points are proven. With one or two measures the allocations
-that may improve on what is known are listed first (`allocations.py`); where bounds leave none, the
-front is complete, and where they leave few, the model is held to these.
+that may improve on what is known are listed instead (`allocations.py`), where they are not too
+many, and each that no bound rules out is asked for a quicker schedule by itself.
 
 All that the model asks of a measure is decided by who does what, in whole numbers: `Counted`. What
 depends on the makespan besides, a dose of a shift or a mean over time, is that number over the
@@ -58,9 +58,9 @@ that find nothing are enough.
 """
 MOST_TASKS, MOST_LISTED = 100, 30
 """Of more tasks random schedules, and listing allocations, take too long to be worth it."""
-TURNS, AT_ONCE, MOST_ROWS = 8, 4_000, 5_000
-"""Orders in which each listed allocation is played, how many are played together, and how many the
-model can be held to.
+TURNS, AT_ONCE, MOST_ASKED = 16, 4_000, 5_000
+"""Orders in which each listed allocation is played, how many are played together, and how many are
+asked by themselves.
 """
 LEVELS, FEW = 6, 2_000
 """Makespans of known points that the first slice holds; below so many conflicts of its proof, the
@@ -260,7 +260,6 @@ class _Search:
     """Attributes:
     found: (ticks, units of each measure) -> schedule, of those that no other one found is as good
       as; `proven` are the points of the front.
-    left: the ways of all allocations that may still improve on that; None when they are not known.
     """
 
     def __init__(
@@ -290,7 +289,6 @@ class _Search:
         self.complete = self.interrupted = False
         self.upper = self.instance.horizon
         self.drawn: Compromises | None = None
-        self.left: list[list[int]] | None = None
         self.asked: set[tuple[int, ...]] = set()
 
     def run(self) -> None:
@@ -305,11 +303,9 @@ class _Search:
             self.drawn = Compromises(arrays, self.seed)
             self.drawn.begin(one.starts for one in self.found.values())
             self._draw(ROUNDS_A_TASK * max(1, tasks - 8))
-            if tasks <= MOST_LISTED and len(self.counted) <= 2:
-                self._list(arrays)
-        if self.left == []:
-            self.proven, self.complete = set(self.found), True
-            return
+            if tasks <= MOST_LISTED and len(self.counted) <= 2 and self._by_allocations(arrays):
+                self.proven, self.complete = set(self.found), True
+                return
         least, levels = 0, LEVELS
         while not self.door.refused:
             times = sorted({point[0] for point in self.found if point[0] >= least})
@@ -323,18 +319,18 @@ class _Search:
                 return
             least, levels = most + 1, levels * 2 if conflicts < FEW else max(1, levels // 2)
 
-    def _list(self, arrays: Arrays) -> None:
-        """Lists the allocations that may still improve on what is known, and plays them in many
-        orders, which finds more; what is left goes into the model.
+    def _by_allocations(self, arrays: Arrays) -> bool:
+        """Lists the allocations that may still improve on what is known, plays them in many orders,
+        which finds more, and asks the few that are left. Whether the front is complete then.
         """
         search = Allocations(arrays, self._is_late)
         ways = search.open(list(self.found)) if self.found else None
         if ways is None:
-            return
+            return False
         between = Between(arrays, ways)
         bound = between.by_chains()
         for turn in range(TURNS):
-            if turn == TURNS // 2:
+            if turn == TURNS // 4:
                 # dearer, so only of those whom the quickest orders have left
                 between = Between(arrays, ways)
                 bound = np.maximum(bound, between.by_operators())
@@ -344,8 +340,33 @@ class _Search:
             if not len(ways) or self._is_late():
                 break
             self._play(ways, tails, turn)
-        ways = ways[search.still_open(ways, bound, list(self.found))]
-        self.left = ways.tolist() if len(ways) <= MOST_ROWS else None
+        keep = search.still_open(ways, bound, list(self.found))
+        return self._ask_each(search, ways[keep], bound[keep])
+
+    def _ask_each(self, search: Allocations, ways: Ints, bound: Ints) -> bool:
+        """Asks each of the allocations for a schedule quicker than what is known to be as good in
+        the measures; whether none has one in the end. What is found leaves fewer to be asked.
+        """
+        if len(ways) > MOST_ASKED:
+            return False
+        # what costs least may rule out most
+        order = np.argsort(search.arrays.units(ways).sum(1), kind="stable")
+        ways, bound = ways[order], bound[order]
+        while len(ways):
+            units = search.arrays.units(ways[:1])[0].tolist()
+            as_good = [point[0] for point in self.found if _as_good(point[1:], tuple(units))]
+            plan = formulate(self.instance, min(as_good, default=self.upper + 1) - 1)
+            for way, chosen in zip(ways[0].tolist(), plan.chosen, strict=True):
+                plan.model.add(chosen[way] == 1)
+            status, solver = self._solve(plan)
+            if status == cp_model.INFEASIBLE:
+                ways, bound = ways[1:], bound[1:]
+                continue
+            if not _has_schedule(status) or self._take(plan, solver) is None:
+                return False
+            keep = search.still_open(ways, bound, list(self.found))
+            ways, bound = ways[keep], bound[keep]
+        return not self.door.refused
 
     def _play(self, ways: Ints, tails: Ints, turn: int) -> None:
         """Appends the tasks of each allocation with what has most behind it first; but for the
@@ -454,18 +475,6 @@ class _Search:
         variables = [counted.variable(plan) for counted in self.counted]
         for budget in self.budgets:
             budget.keep(plan)
-        if self.left is not None:
-            plan.model.add_allowed_assignments(
-                [x for row in plan.chosen for x in row],
-                [
-                    [
-                        w == way
-                        for way, row in zip(ways, plan.chosen, strict=True)
-                        for w in range(len(row))
-                    ]
-                    for ways in self.left
-                ],
-            )
         self._cut_off(plan, [plan.makespan, *variables], upper, least)
         return plan, variables
 
