@@ -27,6 +27,19 @@ def test_a_changed_table_is_found(monkeypatch):
     assert ergonomics.disagreements("rula", 5_000, seed=7) != []
 
 
+def test_a_changed_composite_is_found(monkeypatch):
+    """Faults that are planted are seen: the multiplier of hours in days, the reach in jobs."""
+    from tandem.ergonomics import niosh, rsi
+
+    monkeypatch.setattr(rsi, "hours_multiplier", lambda *, H: 0.2 if H <= 0.05 else 0.05 * H + 0.6)
+    assert all("subtasks" in found for found in ergonomics.composites(200, seed=7))
+    assert ergonomics.composites(200, seed=7) != []
+    monkeypatch.undo()
+    nearer = {**niosh.SYSTEMS, "cm": niosh.SYSTEMS["cm"]._replace(h_min=24)}
+    monkeypatch.setattr(niosh, "SYSTEMS", nearer)
+    assert any("subtasks" not in found for found in ergonomics.composites(200, seed=7))
+
+
 def test_the_printed_damage_is_the_rounded_inverse_of_the_printed_cycles():
     from tests.ergonomics.second import fatigue
 

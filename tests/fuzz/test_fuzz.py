@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from tests.fuzz import judges, limits, people
+from tests.fuzz import axes, judges, limits, people
 from tests.fuzz.cells import cell as random_cell
 from tests.plan.brute_force import front_in_order, front_of_all, worth
 from tests.schedule.cells import thesis, thesis_schedule
@@ -21,6 +21,7 @@ from tests.schedule.cells import thesis, thesis_schedule
 from tandem.cell.parts import Operator, TimeOff
 from tandem.files.validate import cell_of
 from tandem.plan import exact, race
+from tandem.plan.allocations import Between
 from tandem.plan.methods import METHODS
 
 
@@ -237,3 +238,17 @@ def test_the_docs_say_what_limits_cost():
     for said in (found["command"], f"{found['random_shifts']:,}", f"{found['plans']:,}"):
         assert said in page
     assert found["violations"] == 0
+
+
+def test_fronts_of_several_measures_are_those_of_all_allocations(capsys):
+    assert axes.main(["--cells", "25"]) == 0
+    assert capsys.readouterr().out.startswith("axes: 25 cells")
+
+
+def test_a_bound_on_allocations_that_is_too_high_is_caught(monkeypatch):
+    """Nothing is drawn by chance here, so that what the bound leaves out is missed."""
+    right = Between.by_chains
+    monkeypatch.setattr(Between, "by_chains", lambda between: right(between) + 3)
+    monkeypatch.setattr("tandem.plan.axes.ROUNDS_A_TASK", 0)
+    monkeypatch.setattr("tandem.plan.compromises.DRAWN", 1)
+    assert any(axes.judge(seed)[1] for seed in range(1, 30))

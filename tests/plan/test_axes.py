@@ -7,12 +7,11 @@ from __future__ import annotations
 import csv
 import math
 from fractions import Fraction
-from itertools import product
 from random import Random
-from typing import Any
 
 import pytest
 from tests.benchmark_data import folder
+from tests.plan.every_allocation import MEASURES, assessed, expected, least, of_all
 
 import tandem
 from tandem.cell.burdens import named
@@ -23,148 +22,23 @@ from tandem.plan.axes import plan_axes
 from tandem.schedule.checker import faults
 from tandem.schedule.exposure import by_person, limit_of, value
 
-MEASURES = (
-    "stress",
-    "worst:stress",
-    "peak:reba",
-    "time-above:reba:6",
-    "worst:time-above:reba:6",
-    "time-weighted:reba",
-    "dose:shoulder_tool",
-    "worst:dose:shoulder_tool",
-)
-
-
-def _assessed(random: Random, tasks: int = 4) -> dict[str, Any]:
-    """A cell of two people and a robot, assessed on two scales; some tasks are done together, and
-    one task lacks a value.
-    """
-    rows: dict[str, Any] = {}
-    for place in range(tasks):
-        name = f"t{place}"
-        row: dict[str, Any] = {
-            "time": {who: random.randint(1, 9) for who in ("anna", "ben")},
-            "stress": {"anna": random.randint(0, 6), "ben": random.randint(0, 6)},
-            "ergonomics": [
-                {"method": "reba", "score": random.randint(1, 12)},
-                {"method": "shoulder_tool", "score": random.randint(1, 30) / 1e6},
-            ],
-        }
-        if random.random() < 0.7:
-            row["time"]["robot"] = random.randint(1, 14)
-        if random.random() < 0.3:
-            row["together"] = [{"operators": ["anna", "robot"], "time": random.randint(1, 5)}]
-        if place and random.random() < 0.5:
-            row["after"] = [f"t{random.randrange(place)}"]
-        rows[name] = row
-    rows["t0"]["ergonomics"] = [{"method": "reba", "score": 5, "operators": ["anna"]}]
-    operators = {"robot": {"kind": "robot"}, "anna": {"kind": "human"}, "ben": {"kind": "human"}}
-    return {"operators": operators, "tasks": rows}
-
-
-def _by_hand(data: dict[str, Any], ways: dict[str, tuple[tuple[str, ...], int]]) -> dict[str, Any]:
-    """What the measures of a cycle come to, before the makespan, said once more from plain data."""
-    people = ("anna", "ben")
-    zero = {who: Fraction(0) for who in people}
-    stress, above, dose, weighted = dict(zero), dict(zero), dict(zero), dict(zero)
-    peak = 0
-    for name, (who_all, seconds) in ways.items():
-        for who in set(who_all) & set(people):
-            row = data["tasks"][name]
-            stress[who] += row["stress"][who]
-            for one in row["ergonomics"]:
-                if who not in one.get("operators", people):
-                    continue
-                if one["method"] == "shoulder_tool":
-                    dose[who] += Fraction(repr(one["score"]))
-                    continue
-                peak = max(peak, one["score"])
-                above[who] += seconds * (one["score"] >= 6)
-                weighted[who] += seconds * one["score"]
-    return {
-        "stress": sum(stress.values()),
-        "worst:stress": max(stress.values()),
-        "peak:reba": peak,
-        "time-above:reba:6": sum(above.values()),
-        "worst:time-above:reba:6": max(above.values()),
-        "time-weighted:reba": sum(weighted.values()) / 2,
-        "dose:shoulder_tool": sum(dose.values()) * 28_800,
-        "worst:dose:shoulder_tool": max(dose.values()) * 28_800,
-    }
-
-
-def _all(data: dict[str, Any]) -> list[tuple[int, dict[str, Any]]]:
-    """Of every allocation its least makespan and what its measures come to."""
-    names = list(data["tasks"])
-    options = []
-    for name in names:
-        row = data["tasks"][name]
-        alone = [((who,), seconds) for who, seconds in row["time"].items()]
-        options.append(
-            [*alone, *((tuple(j["operators"]), j["time"]) for j in row.get("together", ()))]
-        )
-    found = []
-    for chosen in product(*options):
-        ways = dict(zip(names, chosen, strict=True))
-        found.append((_quickest(data, ways), _by_hand(data, ways)))
-    return found
-
-
-def _quickest(data: dict[str, Any], ways: dict[str, tuple[tuple[str, ...], int]]) -> int:
-    """The least makespan of an allocation: every order, each task as early as it can be."""
-
-    def best(left: frozenset[str], ends: dict[str, int], free: dict[str, int]) -> int:
-        if not left:
-            return max(ends.values())
-        found = []
-        for name in left:
-            first = data["tasks"][name].get("after", [])
-            if any(one in left for one in first):
-                continue
-            who, seconds = ways[name]
-            end = seconds + max([0, *(ends[f] for f in first), *(free[w] for w in who)])
-            found.append(
-                best(left - {name}, {**ends, name: end}, {**free, **dict.fromkeys(who, end)})
-            )
-        return min(found)
-
-    return best(frozenset(ways), {}, dict.fromkeys(("anna", "ben", "robot"), 0))
-
-
-def _least(points: set[tuple[Any, ...]]) -> set[tuple[Any, ...]]:
-    return {
-        p
-        for p in points
-        if not any(q != p and all(a <= b for a, b in zip(q, p, strict=True)) for q in points)
-    }
-
 
 @pytest.mark.parametrize("seed", range(6))
 def test_no_allocation_is_missed_and_none_is_invented(seed: int):
     """Every measure alone, and pairs of them as three axes, against all allocations and orders."""
     random = Random(seed)
-    data = _assessed(random)
-    cell, everything = cell_of(data), _all(data)
+    data = assessed(random)
+    cell, everything = cell_of(data), of_all(data)
     asked = [(name,) for name in MEASURES] + [
         tuple(random.sample(MEASURES, 2)),
         ("dose:shoulder_tool", "worst:stress"),
         tuple(random.sample(MEASURES, 3)),
     ]
     for names in asked:
-        right = _least({(t, *(values[name] for name in names)) for t, values in everything})
         front = plan_axes(cell, ["makespan", *names])
-        # a dose of a shift and a mean over time are what the allocation decides, over the makespan
-        over = [
-            name.split(":")[-2] in ("dose", "time-weighted") if ":" in name else False
-            for name in names
-        ]
-        expected = sorted(
-            (t, *(float(v / t if by else v) for v, by in zip(values, over, strict=True)))
-            for t, *values in right
-        )
         assert front.complete
         assert sorted(point.values for point in front.points) == pytest.approx(
-            [pytest.approx(row, rel=1e-12) for row in expected]
+            [pytest.approx(row, rel=1e-12) for row in expected(everything, names)]
         ), names
         assert all(not faults(cell, point.schedule) for point in front.points)
 
@@ -181,9 +55,9 @@ def test_the_fronts_of_the_strain_index_are_the_published_enumeration(instance: 
     with open(place / "pareto.csv", newline="", encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["instance"] == instance]
     front = plan_axes(tandem.load(place / f"{instance}.json"), ["makespan", "stress"])
-    expected = sorted((float(row["makespan"]), float(row["strain_index"])) for row in rows)
-    assert expected
-    assert [point.values for point in front.points] == expected
+    published = sorted((float(row["makespan"]), float(row["strain_index"])) for row in rows)
+    assert published
+    assert [point.values for point in front.points] == published
     with pytest.raises(UsageError, match="by sets of tasks"):
         plan_axes(front.cell, ["makespan", "peak:stress"])
 
@@ -191,7 +65,7 @@ def test_the_fronts_of_the_strain_index_are_the_published_enumeration(instance: 
 @pytest.mark.parametrize("seed", range(6))
 def test_limits_cut_off_what_exceeds_them_and_nothing_else(seed: int):
     random = Random(100 + seed)
-    data = _assessed(random)
+    data = assessed(random)
     cell = cell_of(data)
     for text, name, factor in (
         (f"peak:reba={random.randint(4, 11)}", "peak:reba", 1),
@@ -205,14 +79,14 @@ def test_limits_cut_off_what_exceeds_them_and_nothing_else(seed: int):
     ):
         most = Fraction(text.partition("=")[2])
         within = {
-            (t, values["stress"]) for t, values in _all(data) if values[name] * factor <= most
+            (t, values["stress"]) for t, values in of_all(data) if values[name] * factor <= most
         }
         try:
             front = plan_axes(cell, ["makespan", "stress"], limits=[text], cycles=500)
         except InfeasibleError:
             assert not within, text
             continue
-        assert {point.values for point in front.points} == _least(within), text
+        assert {point.values for point in front.points} == least(within), text
         limit = limit_of(text, cell, 500)
         assert all(not limit.faults(cell, point.schedule) for point in front.points)
 
@@ -245,7 +119,7 @@ def test_fatigue_rises_at_work_and_falls_at_rest():
 
 
 def test_a_faster_plan_of_the_same_allocation_raises_the_dose_of_a_shift():
-    data = _assessed(Random(3))
+    data = assessed(Random(3))
     cell = cell_of(data)
     point = plan_axes(cell, ["makespan", "dose:shoulder_tool"]).points[0]
     measure = named("dose:shoulder_tool", cell)
@@ -316,4 +190,4 @@ def test_limits_that_cannot_be_kept_are_a_minimal_set_beside_those_of_the_cell()
 
 
 def _cell() -> Cell:
-    return cell_of(_assessed(Random(1)))
+    return cell_of(assessed(Random(1)))

@@ -1,12 +1,12 @@
 """Fronts over any measures: makespan and one, two or more others, complete and proven.
 
-Points come in order of their makespan (epsilon-constraint): the least makespan of a schedule that
-no known point is as good as and, at that makespan, the least of the second measure, then of the
-third. Each is a point of the front at once. Since no later point is quicker, it must be less than
-each known one in one of the other measures: with one other measure that is a limit, with two the
-corner of a staircase (Sylva and Crema 2004, European Journal of Operational Research 158:46-55,
-with the makespan taken out of the disjunction). When nothing is left that is, the front is
-complete.
+First points are looked for with many random schedules at once (`compromises.py`). Then it is asked
+for anything that none of them is as good as, until there is nothing: each known point is a corner,
+of which a schedule must be less in the makespan or in a measure (Sylva and Crema 2004, European
+Journal of Operational Research 158:46-55). That is asked in slices of the makespan, from the least
+on: when a slice has nothing left, its points are proven. With one or two measures the allocations
+that may improve on what is known are listed instead (`allocations.py`), where they are not too
+many, and each that no bound rules out is asked for a quicker schedule by itself.
 
 All that the model asks of a measure is decided by who does what, in whole numbers: `Counted`. What
 depends on the makespan besides, a dose of a shift or a mean over time, is that number over the
@@ -19,175 +19,53 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from importlib.metadata import version
 from random import Random
 from time import monotonic
 from typing import Any, TypeVar
 
+import numpy as np
 from ortools.sat.python import cp_model
 
-from tandem.cell.burdens import costs, named
+from tandem.cell.burdens import named
 from tandem.cell.measures import Measure
 from tandem.cell.model import Cell, plain
 from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
+from tandem.plan.allocations import Allocations, Between
+from tandem.plan.arrays import Arrays, Ints
+from tandem.plan.compromises import Compromises
+from tandem.plan.counted import Budget, Counted
 from tandem.plan.cpsat import SOLVER, Decisions, formulate
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.infeasible import EACH_S, Conflict, Gain, core_of, lift
 from tandem.plan.infeasible import Limit as Liftable
 from tandem.plan.infeasible import limits as cell_limits
-from tandem.plan.instance import Instance, scale_of, up
+from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.question import Question
 from tandem.plan.result import SCHEMA_VERSION
 from tandem.plan.rules import SPECS, build
-from tandem.plan.starts import Starts, appended, measures
+from tandem.plan.starts import append, appended
 from tandem.schedule.exposure import SHIFT_S, Limit, limit_of, value
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Schedule
 
 MAKESPAN = "makespan"
 N = TypeVar("N", int, float)
-LARGEST = 1 << 40
-"""Whole numbers of a measure stay below; where decimals do not allow that they are rounded up."""
-MOST_FACTOR = 1 << 55
-"""Above, two measures are minimized one after the other instead of in one sum."""
-
-
-@dataclass(frozen=True)
-class Counted:
-    """A measure in whole numbers: what each way of each task adds for each operator.
-
-    Attributes:
-      cost: `[task][way]` -> pairs of operator and units. None for the cell's own measure of stress,
-        which the instance counts.
-      most: units that it cannot exceed.
-      exact: nothing was rounded.
-    """
-
-    measure: Measure
-    cost: tuple[tuple[tuple[tuple[int, int], ...], ...], ...] | None
-    most: int
-    exact: bool = True
-
-    @classmethod
-    def of(cls, instance: Instance, measure: Measure) -> Counted:
-        """The measure of the instance's cell."""
-        if measure.what == "sum" and not measure.of_worst:
-            table = (instance.stress_of_set or {}).values()
-            most = sum(max(way.stress for way in ways) for ways in instance.ways)
-            return cls(measure, None, max([most, *table]))
-        rows = _costs(instance, measure)
-        highest = sum(
-            max((sum(c for _, c in way) for way in row), default=Decimal(0)) for row in rows
-        )
-        scale, is_exact = scale_of(
-            [c for row in rows for way in row for _, c in way], highest, LARGEST
-        )
-        whole = tuple(
-            tuple(tuple((o, up(c * scale)) for o, c in way if c) for way in row) for row in rows
-        )
-        most = sum(max((sum(c for _, c in way) for way in row), default=0) for row in whole)
-        return cls(measure, whole, most, is_exact)
-
-    def units(self, instance: Instance, starts: Starts) -> int:
-        """What a schedule comes to."""
-        if self.cost is None:
-            return measures(instance, starts)[1]
-        chosen = [self.cost[task][way] for task, (way, _) in enumerate(starts)]
-        if self.measure.what == "peak":
-            return max((c for row in chosen for _, c in row), default=0)
-        sums = dict.fromkeys(range(len(instance.operators)), 0)
-        for row in chosen:
-            for operator, c in row:
-                sums[operator] += c
-        return max(sums.values()) if self.measure.of_highest else sum(sums.values())
-
-    def variable(self, plan: Decisions) -> cp_model.IntVar:
-        """The measure in the model: what it comes to or, where it is the highest of several
-        numbers, a number that is at least each of them.
-        """
-        if self.cost is None:
-            return plan.stress
-        found = plan.model.new_int_var(0, self.most, self.measure.name)
-        terms = [
-            (operator, c, x)
-            for row, chosen in zip(self.cost, plan.chosen, strict=True)
-            for way, x in zip(row, chosen, strict=True)
-            for operator, c in way
-        ]
-        if self.measure.what == "peak":
-            for _, c, x in terms:
-                plan.model.add(found >= c * x)
-        elif self.measure.of_highest:
-            for person in {operator for operator, _, _ in terms}:
-                plan.model.add(found >= sum(c * x for who, c, x in terms if who == person))
-        else:
-            plan.model.add(found == sum(c * x for _, c, x in terms))
-        return found
-
-
-@dataclass(frozen=True)
-class Budget:
-    """A limit in whole numbers, as the model keeps it: costs rounded up and the most rounded down
-    where decimals ask for that, so that it is never exceeded.
-
-    Attributes:
-      cost: as that of `Counted`. `people` are those whom it holds for.
-      is_peak: the most of one task, instead of the most of all together.
-    """
-
-    cost: tuple[tuple[tuple[tuple[int, int], ...], ...], ...]
-    most: int
-    people: tuple[int, ...]
-    is_peak: bool
-
-    @classmethod
-    def of(cls, instance: Instance, limit: Limit) -> Budget:
-        """The limit for the instance's cell."""
-        rows, most = _costs(instance, limit.measure), limit.per_cycle
-        numbers = [c for row in rows for way in row for _, c in way]
-        highest = sum(max((c for way in row for _, c in way), default=Decimal(0)) for row in rows)
-        scale, _ = scale_of([*numbers, most] if most <= highest else numbers, highest, LARGEST)
-        people = tuple(
-            place
-            for place, name in enumerate(instance.operators)
-            if instance.human[place] and limit.who in (None, name)
-        )
-        return cls(
-            tuple(tuple(tuple((o, up(c * scale)) for o, c in way) for way in row) for row in rows),
-            int(min(most, highest + 1) * scale),
-            people,
-            limit.measure.what == "peak",
-        )
-
-    def keep(self, plan: Decisions) -> None:
-        """Adds it to the model."""
-        terms = [
-            (operator, c, x)
-            for row, chosen in zip(self.cost, plan.chosen, strict=True)
-            for way, x in zip(row, chosen, strict=True)
-            for operator, c in way
-            if operator in self.people
-        ]
-        if self.is_peak:
-            for _, c, x in terms:
-                if c > self.most:
-                    plan.model.add(x == 0)
-            return
-        for person in self.people:
-            plan.model.add(sum(c * x for who, c, x in terms if who == person) <= self.most)
-
-
-def _costs(instance: Instance, measure: Measure) -> list[list[list[tuple[int, Decimal]]]]:
-    number = {name: place for place, name in enumerate(instance.operators)}
-    return [
-        [
-            [(number[who], c) for who, c in costs(instance.cell, measure, task, mode).items()]
-            for mode in instance.cell.modes(task)
-        ]
-        for task in instance.tasks
-    ]
+ROUNDS_A_TASK, AGAIN, IDLE = 15, 20, 40
+"""Rounds of random schedules, at first for each task and then whenever one was missed; and how many
+that find nothing are enough.
+"""
+MOST_TASKS, MOST_LISTED = 100, 30
+"""Of more tasks random schedules, and listing allocations, take too long to be worth it."""
+TURNS, AT_ONCE, MOST_ASKED = 16, 4_000, 5_000
+"""Orders in which each listed allocation is played, how many are played together, and how many are
+asked by themselves.
+"""
+LEVELS, FEW = 6, 2_000
+"""Makespans of known points that the first slice holds; below so many conflicts of its proof, the
+next slice holds twice as many, else half.
+"""
 
 
 @dataclass(frozen=True)
@@ -380,7 +258,8 @@ def _infeasible(
 
 class _Search:
     """Attributes:
-    found: (ticks, units of each measure) -> schedule; `proven` are the points of the front.
+    found: (ticks, units of each measure) -> schedule, of those that no other one found is as good
+      as; `proven` are the points of the front.
     """
 
     def __init__(
@@ -408,25 +287,143 @@ class _Search:
         self.found: dict[tuple[int, ...], Admitted] = {}
         self.proven: set[tuple[int, ...]] = set()
         self.complete = self.interrupted = False
-        self.last: Starts | None = None
         self.upper = self.instance.horizon
+        self.drawn: Compromises | None = None
+        self.asked: set[tuple[int, ...]] = set()
 
     def run(self) -> None:
-        """Point by point, until nothing is left or time is up."""
+        """Slice by slice of the makespan, until nothing is left or time is up."""
         if self.layout.impossible():
             self.complete = True
             return
         self._by_rule()
-        least = 0
+        tasks = len(self.instance.tasks)
+        if tasks <= MOST_TASKS and Arrays.fit(self.layout, self.counted):
+            arrays = Arrays(self.layout, self.counted, self.budgets)
+            self.drawn = Compromises(arrays, self.seed)
+            self.drawn.begin(one.starts for one in self.found.values())
+            self._draw(ROUNDS_A_TASK * max(1, tasks - 8))
+            if tasks <= MOST_LISTED and len(self.counted) <= 2 and self._by_allocations(arrays):
+                self.proven, self.complete = set(self.found), True
+                return
+        least, levels = 0, LEVELS
         while not self.door.refused:
-            ticks = self._quickest(least)
-            if ticks is None:
+            times = sorted({point[0] for point in self.found if point[0] >= least})
+            most = times[levels - 1] if levels < len(times) else self.upper
+            conflicts = self._close(least, most)
+            if conflicts is None:
                 return
-            point = self._best_at(ticks)
-            if point is None:
+            self.proven |= {point for point in self.found if point[0] <= most}
+            if most == self.upper:
+                self.complete = True
                 return
-            self.proven.add(point)
-            least = ticks
+            least, levels = most + 1, levels * 2 if conflicts < FEW else max(1, levels // 2)
+
+    def _by_allocations(self, arrays: Arrays) -> bool:
+        """Lists the allocations that may still improve on what is known, plays them in many orders,
+        which finds more, and asks the few that are left. Whether the front is complete then.
+        """
+        search = Allocations(arrays, self._is_late)
+        ways = search.open(list(self.found)) if self.found else None
+        if ways is None:
+            return False
+        between = Between(arrays, ways)
+        bound = between.by_chains()
+        for turn in range(TURNS):
+            if turn == TURNS // 4:
+                # dearer, so only of those whom the quickest orders have left
+                between = Between(arrays, ways)
+                bound = np.maximum(bound, between.by_operators())
+            keep = search.still_open(ways, bound, list(self.found))
+            ways, bound, tails = ways[keep], bound[keep], between.tails[keep]
+            between.tails = tails
+            if not len(ways) or self._is_late():
+                break
+            self._play(ways, tails, turn)
+        keep = search.still_open(ways, bound, list(self.found))
+        return self._ask_each(search, ways[keep], bound[keep])
+
+    def _ask_each(self, search: Allocations, ways: Ints, bound: Ints) -> bool:
+        """Asks each of the allocations for a schedule quicker than what is known to be as good in
+        the measures; whether none has one in the end. What is found leaves fewer to be asked.
+        """
+        if len(ways) > MOST_ASKED:
+            return False
+        # what costs least may rule out most
+        order = np.argsort(search.arrays.units(ways).sum(1), kind="stable")
+        ways, bound = ways[order], bound[order]
+        while len(ways):
+            units = search.arrays.units(ways[:1])[0].tolist()
+            as_good = [point[0] for point in self.found if _as_good(point[1:], tuple(units))]
+            plan = formulate(self.instance, min(as_good, default=self.upper + 1) - 1)
+            for way, chosen in zip(ways[0].tolist(), plan.chosen, strict=True):
+                plan.model.add(chosen[way] == 1)
+            status, solver = self._solve(plan)
+            if status == cp_model.INFEASIBLE:
+                ways, bound = ways[1:], bound[1:]
+                continue
+            if not _has_schedule(status) or self._take(plan, solver) is None:
+                return False
+            keep = search.still_open(ways, bound, list(self.found))
+            ways, bound = ways[keep], bound[keep]
+        return not self.door.refused
+
+    def _play(self, ways: Ints, tails: Ints, turn: int) -> None:
+        """Appends the tasks of each allocation with what has most behind it first; but for the
+        first turn more or less so.
+        """
+        assert self.drawn is not None
+        blur = self.drawn.rng.random(ways.shape) * (0.2 * turn * tails.mean())
+        for first in range(0, len(ways), AT_ONCE):
+            some = slice(first, first + AT_ONCE)
+            self.drawn.judge(ways[some], blur[some] - tails[some])
+        self._admit()
+
+    def _is_late(self) -> bool:
+        return self.until is not None and monotonic() > self.until
+
+    def _close(self, least: int, most: int) -> int | None:
+        """Looks for schedules of `least` to `most` ticks that nothing known is as good as, until
+        there are none; the conflicts of that proof, None when time is up.
+        """
+        while not self.door.refused:
+            plan, _ = self._model(most, least)
+            status, solver = self._solve(plan)
+            if status == cp_model.INFEASIBLE:
+                return solver.num_conflicts
+            if not _has_schedule(status) or (one := self._take(plan, solver)) is None:
+                return None
+            if one not in self.found.values():
+                self.door.refuse(["it is no better than one that was known."])
+                return None
+            if self.drawn is not None:
+                # where one was missed there may be more
+                self.drawn.know([one.starts])
+                self._draw(AGAIN)
+        return None
+
+    def _draw(self, rounds: int) -> None:
+        """So many rounds of random schedules, fewer when nothing comes of it for long."""
+        assert self.drawn is not None
+        idle = 0
+        for _ in range(rounds):
+            if idle == IDLE or self._is_late():
+                break
+            idle = 0 if self.drawn.round() else idle + 1
+        self._admit()
+
+    def _admit(self) -> None:
+        """Works out what was drawn, and knows what the checker accepts."""
+        assert self.drawn is not None
+        kept = self.drawn.kept
+        for place, worth in enumerate(kept.worth.tolist()):
+            if tuple(worth) in self.asked:
+                continue
+            self.asked.add(tuple(worth))
+            order = [int(task) for task in np.argsort(kept.keys[place], kind="stable")]
+            starts = append(self.layout, order, kept.ways[place].tolist())
+            if starts is not None and (one := self.door.admit(starts)) is not None:
+                self._know(one)
 
     def is_possible(self) -> bool | None:
         """Whether there is a schedule; None when time is up. The first one is enough."""
@@ -469,39 +466,6 @@ class _Search:
             self._take(plan, solver)
         return round(solver.objective_value) if status == cp_model.OPTIMAL else None
 
-    def _best_at(self, ticks: int) -> tuple[int, ...] | None:
-        """Of the schedules of this makespan that are not matched yet the one that is least in the
-        first measure, then in the next; None when time is up.
-        """
-        limits: list[int] = []
-        while True:
-            plan, variables = self._model(ticks, ticks)
-            for variable, limit in zip(variables, limits, strict=False):
-                plan.model.add(variable <= limit)
-            objective, together = self._in_turn(variables, len(limits))
-            plan.model.minimize(objective)
-            status, solver = self._solve(plan)
-            point = self._take(plan, solver) if _has_schedule(status) else None
-            if status != cp_model.OPTIMAL or point is None:
-                return None
-            limits = list(point[1 : 1 + len(limits) + together])
-            if len(limits) == len(variables):
-                return point
-
-    def _in_turn(self, variables: Sequence[cp_model.IntVar], known: int) -> tuple[Any, int]:
-        """What is minimized next when so many measures are known, and how many that settles: as
-        many as fit into one sum in which the earlier counts more than all of the later.
-        """
-        objective: Any = variables[known]
-        together, factor = 1, self.counted[known].most + 1
-        for place in range(known + 1, len(variables)):
-            factor *= self.counted[place].most + 1
-            if factor > MOST_FACTOR:
-                break
-            objective = objective * (self.counted[place].most + 1) + variables[place]
-            together += 1
-        return objective, together
-
     def _model(self, upper: int, least: int) -> tuple[Decisions, list[cp_model.IntVar]]:
         """The cell with what is known cut off: schedules of `least` to `upper` ticks that no proven
         point is as good as.
@@ -511,18 +475,29 @@ class _Search:
         variables = [counted.variable(plan) for counted in self.counted]
         for budget in self.budgets:
             budget.keep(plan)
-        corners = _least_of({point[1:] for point in self.proven})
-        for corner in corners:
-            if len(corner) == 1:
-                plan.model.add(variables[0] <= corner[0] - 1)
-                continue
-            less = [plan.model.new_bool_var("") for _ in corner]
-            for literal, variable, units in zip(less, variables, corner, strict=True):
-                plan.model.add(variable <= units - 1).only_enforce_if(literal)
-            plan.model.add_bool_or(less)
-        if self.last is not None:
-            plan.hint(self.last)
+        self._cut_off(plan, [plan.makespan, *variables], upper, least)
         return plan, variables
+
+    def _cut_off(
+        self, plan: Decisions, axes: Sequence[cp_model.IntVar], upper: int, least: int
+    ) -> None:
+        """Of each known point a schedule must be less in something. What takes no longer than
+        `least` is not beaten in the makespan.
+        """
+        less: dict[tuple[int, int], cp_model.IntVar] = {}
+
+        def is_less(axis: int, units: int) -> cp_model.IntVar:
+            if (axis, units) not in less:
+                literal = less[axis, units] = plan.model.new_bool_var("")
+                plan.model.add(axes[axis] <= units - 1).only_enforce_if(literal)
+            return less[axis, units]
+
+        quick = _least_of({point[1:] for point in self.found if point[0] <= least})
+        for corner in quick:
+            plan.model.add_bool_or([is_less(axis, units) for axis, units in enumerate(corner, 1)])
+        for point in self.found:
+            if least < point[0] <= upper:
+                plan.model.add_bool_or([is_less(axis, units) for axis, units in enumerate(point)])
 
     def _solve(self, plan: Decisions) -> tuple[Any, cp_model.CpSolver]:
         solver = cp_model.CpSolver()
@@ -541,22 +516,26 @@ class _Search:
         self.interrupted = stopped and (self.until is None or monotonic() < self.until - 0.1)
         return status, solver
 
-    def _take(self, plan: Decisions, solver: cp_model.CpSolver) -> tuple[int, ...] | None:
+    def _take(self, plan: Decisions, solver: cp_model.CpSolver) -> Admitted | None:
         admitted = self.door.vouched(appended(self.layout, plan.read(solver.value)))
-        return None if admitted is None else self._know(admitted)
+        if admitted is not None:
+            self._know(admitted)
+        return admitted
 
-    def _know(self, admitted: Admitted) -> tuple[int, ...]:
-        self.last = admitted.starts
+    def _know(self, admitted: Admitted) -> None:
+        """Keeps the schedule, unless one that is known is as good in everything."""
         units = (counted.units(self.instance, admitted.starts) for counted in self.counted)
         point = (admitted.makespan, *units)
-        self.found.setdefault(point, admitted)
-        return point
+        if any(_as_good(other, point) for other in self.found):
+            return
+        for other in [other for other in self.found if _as_good(point, other)]:
+            del self.found[other]
+        self.found[point] = admitted
 
     def points(self, shift_s: float) -> tuple[Point, ...]:
         """What no other one beats, with exact values, sorted by makespan and the others."""
-        kept = sorted(_least_of(set(self.found)))
         rows = []
-        for point in kept:
+        for point in sorted(self.found):
             schedule = self.found[point].schedule
             exact = (
                 value(self.cell, schedule, counted.measure, cycles=self.cycles, shift_s=shift_s)
@@ -566,6 +545,10 @@ class _Search:
         # what was rounded, or is an envelope, may be less than another where its value is not
         beaten = {row.values for row in rows} - set(_least_of({row.values for row in rows}))
         return tuple(row for row in rows if row.values not in beaten)
+
+
+def _as_good(point: tuple[int, ...], other: tuple[int, ...]) -> bool:
+    return all(a <= b for a, b in zip(point, other, strict=True))
 
 
 def _has_schedule(status: Any) -> bool:

@@ -4,7 +4,8 @@ manual prints it: a line for each frequency.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,27 +67,36 @@ def free_of_frequency(f: Mapping[str, Array]) -> Array:
     return 23 * reach * height * travel * turn * grip
 
 
-def cli(loads: Sequence[float], lifts: Sequence[Mapping[str, float]]) -> float | None:
-    """The composite index of one job, lift by lift as the manual's worksheet has it."""
-    rows = []
-    for load, lift in zip(loads, lifts, strict=True):
-        one = {key: np.array([float(value)]) for key, value in lift.items()}
-        free, single = float(free_of_frequency(one)[0]), float(rwl(one)[0])
-        if single <= 0:
-            return None
-        rows.append((load / single, load / free, lift))
-    rows.sort(key=lambda row: (-row[0], -row[2]["F"]))
-    total, rate = rows[0][0], rows[0][2]["F"]
-    for _, free_index, lift in rows[1:]:
-        before, after = (
-            float(
-                frequency_multiplier(
-                    np.array([r]), np.array([lift["duration"]]), np.array([lift["V"]])
-                )[0]
-            )
-            for r in (rate, rate + lift["F"])
-        )
-        if before <= 0 or after <= 0:
-            return None
-        total, rate = total + free_index * (1 / after - 1 / before), rate + lift["F"]
-    return total
+def cli(f: Mapping[str, Array], there: NDArray[np.bool_]) -> Array:
+    """`[N]` composite indices of jobs, lift by lift as the manual's worksheet has it; not a number
+    where the equation gives none.
+
+    Args:
+      f: `[N, K]` facts of up to K kinds of lift a job, the load as `L`; kinds that are not `there`
+        count as lifts of nothing, never made.
+    """
+    flat = {key: values.ravel() for key, values in f.items()}
+    free = free_of_frequency(flat).reshape(there.shape)
+    single = rwl(flat).reshape(there.shape)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        alone = np.where(there, f["L"] / single, 0.0)
+        added = np.where(there, f["L"] / free, 0.0)
+    often = np.where(there, f["F"], 0.0)
+    order = np.lexsort((-often, -alone), axis=-1)
+
+    def in_turn(values: NDArray[Any]) -> NDArray[Any]:
+        return np.take_along_axis(values, order, axis=-1)
+
+    alone, added, often, is_there = map(in_turn, (alone, added, often, there))
+    duration, height = in_turn(f["duration"]), in_turn(f["V"])
+    total, rate = alone[:, 0].copy(), often[:, 0].copy()
+    impossible = np.any(there & ~(single > 0), axis=1)
+    for place in range(1, there.shape[1]):
+        before = frequency_multiplier(rate, duration[:, place], height[:, place])
+        rate += often[:, place]
+        after = frequency_multiplier(rate, duration[:, place], height[:, place])
+        impossible |= is_there[:, place] & ((before <= 0) | (after <= 0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            more = added[:, place] * (1 / after - 1 / before)
+        total += np.where(is_there[:, place], more, 0.0)
+    return np.where(impossible, np.nan, total)

@@ -4,7 +4,7 @@ the polynomials by Horner's rule, the composite as differences of cumulated mult
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ def intensity(i: Array) -> Array:
 
 
 def efforts(e: Array) -> Array:
-    return np.where(e > 90, 0.00334 * np.exp(1.96 * np.log(e)), 0.25 * e + 0.1)
+    return np.where(e > 90, 0.00334 * np.exp(1.96 * np.log(np.maximum(e, 1))), 0.25 * e + 0.1)
 
 
 def seconds(d: Array) -> Array:
@@ -32,7 +32,8 @@ def wrist(p: Array) -> Array:
 
 
 def hours(h: Array) -> Array:
-    return np.where(h > 0.05, 0.477 + 0.042 * h + 0.090 * np.log(h), 0.20)
+    long = np.maximum(h, 0.05)
+    return np.where(h > 0.05, 0.477 + 0.042 * long + 0.090 * np.log(long), 0.20)
 
 
 def rsi(f: Mapping[str, Array]) -> Array:
@@ -40,12 +41,12 @@ def rsi(f: Mapping[str, Array]) -> Array:
     return intensity(f["I"]) * efforts(f["E"]) * seconds(f["D"]) * wrist(f["P"]) * hours(f["H"])
 
 
-def stacked(
-    indices: Sequence[float], amounts: Sequence[float], multiplier: Callable[[Array], Array]
-) -> float:
-    """COSI by efforts, CUSI by hours."""
-    order = np.lexsort((-np.asarray(amounts), -np.asarray(indices)))
-    index, amount = np.asarray(indices)[order], np.asarray(amounts)[order]
-    reached = multiplier(np.cumsum(amount))
-    gained = np.diff(reached, prepend=0.0)
-    return float(np.sum(index * gained / multiplier(amount)))
+def stacked(indices: Array, amounts: Array, multiplier: Callable[[Array], Array]) -> Array:
+    """COSI by efforts, CUSI by hours: `[..., K]` indices and amounts to `[...]`. What is not there
+    has an index and an amount of 0.
+    """
+    order = np.lexsort((-amounts, -indices), axis=-1)
+    index = np.take_along_axis(indices, order, axis=-1)
+    amount = np.take_along_axis(amounts, order, axis=-1)
+    gained = np.diff(multiplier(np.cumsum(amount, axis=-1)), prepend=0.0, axis=-1)
+    return np.sum(index * gained / multiplier(amount), axis=-1)
