@@ -22,7 +22,7 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.files.generators import layered
-from tandem.plan.axes import plan_axes
+from tandem.plan.axes.search import plan_axes
 from tandem.plan.cpsat import SOLVER
 
 AXES = ("makespan", "dose:shoulder_tool", "worst:stress")

@@ -25,7 +25,7 @@ from tandem.cell.written import number
 from tandem.draw.axes import draw_axes
 from tandem.draw.saving import save
 from tandem.files.load import load
-from tandem.plan.axes import AxesFront, plan_axes
+from tandem.plan.axes.search import AxesFront, plan_axes
 from tandem.schedule.exposure import value
 
 

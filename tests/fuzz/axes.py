@@ -17,7 +17,7 @@ from random import Random
 from tests.plan.every_allocation import MEASURES, assessed, expected, of_all
 
 from tandem.files.validate import cell_of
-from tandem.plan.axes import plan_axes
+from tandem.plan.axes.search import plan_axes
 from tandem.schedule.checker import faults
 
 

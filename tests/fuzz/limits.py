@@ -19,7 +19,7 @@ from typing import Any
 
 from tandem.errors import InfeasibleError
 from tandem.files.validate import cell_of
-from tandem.plan.axes import plan_axes
+from tandem.plan.axes.search import plan_axes
 
 CYCLES = 420
 KINDS = ("peak:reba", "time-above:reba:7", "dose:shoulder_tool", "stress")

@@ -21,7 +21,7 @@ from tests.schedule.cells import thesis, thesis_schedule
 from tandem.cell.parts import Operator, TimeOff
 from tandem.files.validate import cell_of
 from tandem.plan import exact, race
-from tandem.plan.allocations import Between
+from tandem.plan.axes.allocations import Between
 from tandem.plan.methods import METHODS
 
 
@@ -249,6 +249,6 @@ def test_a_bound_on_allocations_that_is_too_high_is_caught(monkeypatch):
     """Nothing is drawn by chance here, so that what the bound leaves out is missed."""
     right = Between.by_chains
     monkeypatch.setattr(Between, "by_chains", lambda between: right(between) + 3)
-    monkeypatch.setattr("tandem.plan.axes.ROUNDS_A_TASK", 0)
-    monkeypatch.setattr("tandem.plan.compromises.DRAWN", 1)
+    monkeypatch.setattr("tandem.plan.axes.search.ROUNDS_A_TASK", 0)
+    monkeypatch.setattr("tandem.plan.axes.compromises.DRAWN", 1)
     assert any(axes.judge(seed)[1] for seed in range(1, 30))

@@ -18,7 +18,7 @@ from tandem.cell.burdens import named
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, UsageError
 from tandem.files.validate import cell_of
-from tandem.plan.axes import plan_axes
+from tandem.plan.axes.search import plan_axes
 from tandem.schedule.checker import faults
 from tandem.schedule.exposure import by_person, limit_of, value
 

@@ -11,7 +11,7 @@ from tests import limited
 
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError
-from tandem.plan.axes import plan_axes
+from tandem.plan.axes.search import plan_axes
 from tandem.plan.cycle.methods import plan_cycle
 from tandem.plan.instance import MOST_DUE, Instance
 from tandem.plan.methods import METHODS, plan

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from tandem.cell.model import Cell
-    from tandem.plan.axes import AxesFront
+    from tandem.plan.axes.search import AxesFront
 
 EXCLUDED = {
     "method": "--method",
@@ -167,7 +167,7 @@ def tell_axes(
     **effort: Any,
 ) -> int:
     """Plans and tells what was asked for; the exit code."""
-    from tandem.plan.axes import axes_named, plan_axes
+    from tandem.plan.axes.search import axes_named, plan_axes
 
     for names in asked.fronts:
         axes_named(names, cell)  # all that is wrong before a long search begins

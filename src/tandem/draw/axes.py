@@ -13,7 +13,7 @@ from tandem.draw.figure import blank
 from tandem.draw.front import POINT
 from tandem.draw.language import Words, words
 from tandem.draw.style import FAINT_INK, RULE
-from tandem.plan.axes import MAKESPAN, AxesFront, Point
+from tandem.plan.axes.search import MAKESPAN, AxesFront, Point
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,7 +21,7 @@ from tandem.cell.crew import Person
 from tandem.cell.measures import Measure
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError, UnsoundScheduleError
-from tandem.plan.counted import LARGEST
+from tandem.plan.axes.counted import LARGEST
 from tandem.plan.infeasible import Limit, minimal_core
 from tandem.plan.instance import scale_of, up
 from tandem.schedule.rotation import Rotation, Shift, faults, rotation_measure

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tandem.plan.arrays import Arrays, Bools, Floats, Ints
+from tandem.plan.axes.arrays import Arrays, Bools, Floats, Ints
 from tandem.plan.starts import Starts
 
 DRAWN = 400

@@ -31,10 +31,10 @@ from tandem.cell.burdens import named
 from tandem.cell.measures import Measure
 from tandem.cell.model import Cell, plain
 from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
-from tandem.plan.allocations import Allocations, Between
-from tandem.plan.arrays import Arrays, Ints
-from tandem.plan.compromises import Compromises
-from tandem.plan.counted import Budget, Counted
+from tandem.plan.axes.allocations import Allocations, Between
+from tandem.plan.axes.arrays import Arrays, Ints
+from tandem.plan.axes.compromises import Compromises
+from tandem.plan.axes.counted import Budget, Counted
 from tandem.plan.cpsat import SOLVER, Decisions, formulate
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.infeasible import EACH_S, Conflict, Gain, core_of, lift

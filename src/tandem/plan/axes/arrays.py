@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tandem.plan.counted import Budget, Counted
+from tandem.plan.axes.counted import Budget, Counted
 from tandem.plan.list_scheduling import Layout
 
 Ints = NDArray[np.int64]
@@ -86,9 +86,9 @@ class Arrays:
         keys, no task before what it waits for.
         """
         keys = keys.copy()
-        for task in self.instance.order:
-            for later in self.instance.begun_behind[task]:
-                keys[:, later] = np.maximum(keys[:, later], keys[:, task] + 1e-6)
+        for first in self.instance.order:
+            for later in self.instance.begun_behind[first]:
+                keys[:, later] = np.maximum(keys[:, later], keys[:, first] + 1e-6)
         order, row = np.argsort(keys, axis=1, kind="stable"), np.arange(len(ways))
         starts, ends = np.zeros_like(ways), np.zeros_like(ways)
         free = np.zeros((len(ways), self.busy.shape[2]), np.int64)

@@ -18,7 +18,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tandem.plan.arrays import Arrays, Bools, Ints
+from tandem.plan.axes.arrays import Arrays, Bools, Ints
 
 MOST_OPEN = 200_000
 """Allocations of a level; above, the search gives up."""
