@@ -165,7 +165,7 @@ def test_the_verb_lists_the_programs_and_refuses_others():
         [sys.executable, "dev.py", "fuzz", "jugdes"], cwd=root, capture_output=True, text=True
     )
     assert unknown.returncode == 2
-    assert "nothing is called 'jugdes'; there are choco, cycles" in unknown.stderr
+    assert "nothing is called 'jugdes'; there are axes, choco, cycles" in unknown.stderr
 
 
 PROPERTY = """
