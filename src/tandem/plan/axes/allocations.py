@@ -24,6 +24,8 @@ MOST_OPEN = 200_000
 """Allocations of a level; above, the search gives up."""
 MOST_CELLS = 150_000
 """Of a table of the least that is left; times are rounded down to stay below."""
+TOGETHER = 8
+"""Stretches of makespans that are asked at once."""
 NEVER = 1 << 60
 """Units or ticks that stand for "not possible"."""
 
@@ -123,11 +125,16 @@ class Allocations:
         return known.open(known.stretch(bound), units[:, 0], second)
 
     def _alive(self, known: Known, done: int, load: Ints, spent: Ints, own: Ints) -> Bools:
-        """`[N]`: in some stretch of makespans nothing known is as good as what these can become."""
+        """`[N]`: in some stretch of makespans nothing known is as good as what these can become.
+
+        Several stretches are asked at once, as long as the last of them and as open as the first;
+        only what that leaves is asked of each.
+        """
         quickest = (load + self.around).max(1)
         alive = np.zeros(len(load), bool)
-        for stretch, last in enumerate(known.last):
-            rows = np.flatnonzero(~alive & (quickest <= last))
+
+        def asked(rows: Ints, stretch: int, last: int) -> Ints:
+            rows = rows[quickest[rows] <= last]
             room = np.array(
                 [(last * len(g) - self.around[g].sum()) // self.grain for g in self.groups]
             )
@@ -138,7 +145,13 @@ class Allocations:
                 self._least(measure, done, own[measure][rows], left) for measure in range(len(own))
             ]
             second = least[1] if len(least) > 1 else np.zeros(len(rows), np.int64)
-            alive[rows[known.open(stretch, least[0], second)]] = True
+            return rows[known.open(stretch, least[0], second)]
+
+        for first in range(0, len(known.last), TOGETHER):
+            together = known.last[first : first + TOGETHER]
+            maybe = asked(np.flatnonzero(~alive), first, together[-1])
+            for stretch, last in enumerate(together, first):
+                alive[asked(maybe[~alive[maybe]], stretch, last)] = True
         return alive
 
     def _least(self, measure: int, done: int, own: Ints, left: Ints) -> Ints:

@@ -58,7 +58,7 @@ that find nothing are enough.
 """
 MOST_TASKS, MOST_LISTED = 100, 30
 """Of more tasks random schedules, and listing allocations, take too long to be worth it."""
-TURNS, AT_ONCE, MOST_ASKED = 16, 4_000, 5_000
+TURNS, AT_ONCE, MOST_ASKED = 4, 4_000, 50_000
 """Orders in which each listed allocation is played, how many are played together, and how many are
 asked by themselves.
 """
@@ -330,8 +330,8 @@ class _Search:
         between = Between(arrays, ways)
         bound = between.by_chains()
         for turn in range(TURNS):
-            if turn == TURNS // 4:
-                # dearer, so only of those whom the quickest orders have left
+            if turn == 1:
+                # dearer, so only of those that the first order has left
                 between = Between(arrays, ways)
                 bound = np.maximum(bound, between.by_operators())
             keep = search.still_open(ways, bound, list(self.found))
