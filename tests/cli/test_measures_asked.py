@@ -47,6 +47,25 @@ def test_limits_are_kept_and_said(capsys: pytest.CaptureFixture):
 
 
 @pytest.mark.parametrize(
+    ("lang", "said"),
+    [
+        ("en", "Shown are 2 of 5 points. The least of each axis: makespan 107, stress 10.5"),
+        ("de", "Gezeigt werden 2 von 5 Punkten. Der kleinste Wert jeder Achse: makespan 107"),
+    ],
+)
+def test_a_part_of_a_front_is_shown(lang: str, said: str, capsys: pytest.CaptureFixture):
+    asked = ["--axes", "makespan,stress,worst:stress", "--lang", lang]
+    parts = ["--within", "makespan=115", "--within", "worst:stress=8.5"]
+    assert run(["plan", GEARBOX, *asked, *parts]) == 0
+    told = capsys.readouterr().out
+    assert said in told
+    first = [row.split("│")[1].strip() for row in told.splitlines() if row.startswith("│")]
+    assert [cell for cell in first if cell] == ["115", "115"]
+    assert run(["plan", GEARBOX, *asked, *parts, "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["front"]) == 5
+
+
+@pytest.mark.parametrize(
     ("options", "said"),
     [
         (["--limit", "stress=3"], "--limit goes with --measure or --axes"),
@@ -56,6 +75,9 @@ def test_limits_are_kept_and_said(capsys: pytest.CaptureFixture):
         (["--shift", "3600"], "--shift goes with --measure or --axes"),
         (["--cycles-per-shift", "5", "--limit", "stress=1"], "--cycles-per-shift go with"),
         (["--measure", "peek:stress"], "Did you mean 'peak'"),
+        (["--within", "stress=3"], "--within goes with --measure or --axes"),
+        (["--measure", "stress", "--within", "stres=3"], "Did you mean 'stress'"),
+        (["--measure", "stress", "--within", "stress=x"], "write an axis and a number"),
     ],
 )
 def test_what_does_not_go_together_is_refused(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.cell.names import Known
 from tandem.cli.options import F, is_given
 from tandem.cli.outputs import tell_written
 from tandem.errors import UsageError
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from tandem.cell.model import Cell
-    from tandem.plan.axes.search import AxesFront
+    from tandem.plan.axes.search import AxesFront, Point
 
 EXCLUDED = {
     "method": "--method",
@@ -44,6 +45,7 @@ EXCLUDED = {
 
 OF_MEASURES = {
     "limit": "--limit",
+    "within": "--within",
     "shift": "--shift",
     "cycles_per_shift": "--cycles-per-shift",
 }
@@ -89,6 +91,15 @@ def axes_options(command: F) -> F:
                 " exceeded, such as peak:reba=7; each person when none is named."
             ),
         ),
+        click.option(
+            "--within",
+            metavar="AXIS=MOST",
+            multiple=True,
+            help=(
+                "With --measure or --axes: show only points with at most so much on this axis, such"
+                " as makespan=120. Files and the document have all points."
+            ),
+        ),
     )
     for option in reversed(options):
         command = option(command)
@@ -104,6 +115,7 @@ class Asked:
     shift_s: float
     cycles: float | None = None
     limits: tuple[str, ...] = ()
+    within: tuple[tuple[str, float], ...] = ()
 
     def __bool__(self) -> bool:
         return bool(self.measures) or self.axes is not None
@@ -122,18 +134,40 @@ def asked_of(
     shift_s: float,
     cycles: float | None,
     limits: tuple[str, ...],
+    within: tuple[str, ...],
     outputs: Iterable[Path],
 ) -> Asked:
     """What the options ask for. Raises UsageError with all that does not go together."""
     asked = Asked(measures, axes, shift_s, cycles, limits)
     if asked:
         _refuse_others(outputs)
-    elif alone := [option for name, option in OF_MEASURES.items() if is_given(name)]:
+        return replace(asked, within=_bounds(within, asked.fronts))
+    if alone := [option for name, option in OF_MEASURES.items() if is_given(name)]:
         goes = "goes" if len(alone) == 1 else "go"
         raise UsageError(
             f"{', '.join(alone)} {goes} with --measure or --axes, such as --axes makespan,stress."
         )
     return asked
+
+
+def _bounds(within: tuple[str, ...], fronts: list[list[str]]) -> tuple[tuple[str, float], ...]:
+    """`AXIS=MOST` as the axis and the number. Raises UsageError for an axis that is not asked for,
+    and for what is no number.
+    """
+    axes = list(dict.fromkeys(name.strip() for names in fronts for name in names))
+    found, wrong = list[tuple[str, float]](), list[str]()
+    for text in within:
+        name, _, most = text.rpartition("=")
+        try:
+            found.append((name.strip(), float(most)))
+        except ValueError:
+            wrong.append(f"--within {text}: write an axis and a number, such as {axes[0]}=120.")
+            continue
+        if name.strip() not in axes:
+            wrong.append(f"--within {text}: no axis is called so. {Known(axes).hint(name.strip())}")
+    if wrong:
+        raise UsageError("\n".join(wrong))
+    return tuple(found)
 
 
 def _refuse_others(outputs: Iterable[Path]) -> None:
@@ -190,7 +224,7 @@ def tell_axes(
     if as_json:
         click.echo(json.dumps(document, ensure_ascii=False))
     else:
-        _show(fronts, lang)
+        _show(fronts, asked.within, lang)
     tell_written(outputs, lang)
     return 130 if fronts[-1].interrupted else 0
 
@@ -210,19 +244,25 @@ def _write(fronts: Sequence[AxesFront], document: Any, path: Path, lang: str) ->
         save(draw_axes(fronts, language=lang), path)
 
 
-def _show(fronts: Sequence[AxesFront], lang: str) -> None:
+def _show(fronts: Sequence[AxesFront], within: Sequence[tuple[str, float]], lang: str) -> None:
     import sys
 
     from rich.console import Console
 
     console = Console(file=sys.stdout, highlight=False)
     for front in fronts:
-        console.print(_table(front, lang))
-        for line in _remarks(front, lang):
+        shown = [point for point in front.points if _is_within(point, front, within)]
+        console.print(_table(front, shown, lang))
+        for line in _remarks(front, shown, lang):
             console.print(line, soft_wrap=True)
 
 
-def _table(front: AxesFront, lang: str) -> Table:
+def _is_within(point: Point, front: AxesFront, within: Sequence[tuple[str, float]]) -> bool:
+    worth = dict(zip(front.axes, point.values, strict=True))
+    return all(worth[name] <= most for name, most in within if name in worth)
+
+
+def _table(front: AxesFront, shown: Sequence[Point], lang: str) -> Table:
     from rich.table import Table
 
     from tandem.report.language import words
@@ -234,7 +274,7 @@ def _table(front: AxesFront, lang: str) -> Table:
     for axis in front.axes:
         table.add_column("makespan [s]" if axis == "makespan" else axis, justify="right")
     table.add_column(t("axes.humans"))
-    for point in front.points:
+    for point in shown:
         human = [
             row.task for row in point.schedule if any(o in front.cell.humans for o in row.operators)
         ]
@@ -244,11 +284,17 @@ def _table(front: AxesFront, lang: str) -> Table:
     return table
 
 
-def _remarks(front: AxesFront, lang: str) -> Iterable[str]:
+def _remarks(front: AxesFront, shown: Sequence[Point], lang: str) -> Iterable[str]:
     """What the numbers mean, where that could be taken for something else."""
     from tandem.report.language import words
 
     t = words(lang)
+    if len(shown) < len(front.points):
+        least = map(min, zip(*(point.values for point in front.points), strict=True))
+        each = ", ".join(
+            f"{axis} {t.number(value)}" for axis, value in zip(front.axes, least, strict=True)
+        )
+        yield t("axes.within", shown=len(shown), points=len(front.points), least=each)
     if any(axis.removeprefix("worst:").startswith("dose:") for axis in front.axes):
         if front.cycles is None:
             yield t("axes.dose", hours=t.number(front.shift_s / 3600))
@@ -260,5 +306,5 @@ def _remarks(front: AxesFront, lang: str) -> Iterable[str]:
         yield t("axes.fatigue")
     if front.rounded:
         yield t("axes.rounded", names=", ".join(front.rounded))
-    if any(not point.proven for point in front.points):
+    if any(not point.proven for point in shown):
         yield t("axes.unproven")

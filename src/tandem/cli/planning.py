@@ -176,6 +176,7 @@ def plan_command(
     shift: float,
     cycles_per_shift: float | None,
     limit: tuple[str, ...],
+    within: tuple[str, ...],
     cycle: bool,
     takt: float | None,
     max_in_process: int | None,
@@ -247,7 +248,7 @@ def plan_command(
         raise UsageError("--minimize and --weights exclude each other: give one of them.")
     files = [*outputs, *([report] if report else [])]
     repeated = Repeated(cycle, takt, max_in_process, batch, mix, one_allocation)
-    asked = asked_of(measure, axes, shift, cycles_per_shift, limit, outputs)
+    asked = asked_of(measure, axes, shift, cycles_per_shift, limit, within, outputs)
     _check_drawing(samples, learned, bool(repeated or asked))
     if repeated:
         repeated.check(minimize, is_given)
