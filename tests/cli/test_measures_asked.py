@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -78,6 +81,7 @@ def test_a_part_of_a_front_is_shown(lang: str, said: str, capsys: pytest.Capture
         (["--within", "stress=3"], "--within goes with --measure or --axes"),
         (["--measure", "stress", "--within", "stres=3"], "Did you mean 'stress'"),
         (["--measure", "stress", "--within", "stress=x"], "write an axis and a number"),
+        (["--measure", "stress", "--within", "stress=nan"], "write an axis and a number"),
     ],
 )
 def test_what_does_not_go_together_is_refused(
@@ -85,3 +89,42 @@ def test_what_does_not_go_together_is_refused(
 ):
     assert run(["plan", GEARBOX, *options]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_ctrl_c_keeps_the_points_that_were_found(tmp_path: Path):
+    cell = tmp_path / "large.yaml"
+    size = ["--tasks", "20", "--humans", "3", "--robots", "1"]
+    assert run(["generate", "layered", *size, "-o", str(cell)]) == 0
+    program = """
+import sys
+from tandem.cli.root import run
+from tandem.plan.axes.allocations import Allocations
+
+def told(self, *arguments):
+    # where Ctrl-C comes while arrays are worked out, and not a solver
+    print("listing", file=sys.stderr, flush=True)
+    return listed(self, *arguments)
+
+listed, Allocations.open = Allocations.open, told
+sys.exit(run(sys.argv[1:]))
+"""
+    axes = ["--axes", "makespan,stress,worst:stress", "--json", "--time-limit", "300"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, "plan", str(cell), *axes],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+    )
+    assert process.stderr is not None
+    assert process.stderr.readline() == "listing\n"
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    document = json.loads(out)
+    assert document["interrupted"] is True
+    assert document["complete"] is False
+    stored = tmp_path / "large.interrupted.json"
+    assert len(json.loads(stored.read_text())["front"]) == len(document["front"]) > 1
+    assert run(["check", str(stored)]) == 0

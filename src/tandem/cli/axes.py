@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import click
 
 from tandem.cell.names import Known
 from tandem.cli.options import F, is_given
-from tandem.cli.outputs import tell_written
+from tandem.cli.outputs import kept_when_interrupted, tell_written
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -161,9 +162,10 @@ def _bounds(within: tuple[str, ...], fronts: list[list[str]]) -> tuple[tuple[str
         try:
             found.append((name.strip(), float(most)))
         except ValueError:
+            most = "nan"
+        if math.isnan(float(most)):
             wrong.append(f"--within {text}: write an axis and a number, such as {axes[0]}=120.")
-            continue
-        if name.strip() not in axes:
+        elif name.strip() not in axes:
             wrong.append(f"--within {text}: no axis is called so. {Known(axes).hint(name.strip())}")
     if wrong:
         raise UsageError("\n".join(wrong))
@@ -195,6 +197,7 @@ def tell_axes(
     asked: Asked,
     outputs: Sequence[Path],
     *,
+    cell_file: str,
     source: str | None,
     as_json: bool,
     lang: str,
@@ -219,6 +222,7 @@ def tell_axes(
         if front.interrupted:
             break
     document = fronts[0].to_dict() if len(asked.fronts) == 1 else _several(fronts)
+    outputs = [*outputs, *kept_when_interrupted(fronts[-1], outputs, cell_file)]
     for path in outputs:
         _write(fronts, document, path, lang)
     if as_json:

@@ -17,6 +17,7 @@ from tandem.errors import InfeasibleError, UsageError
 
 if TYPE_CHECKING:
     from tandem.explain.bounds import ProofChain
+    from tandem.plan.axes.search import AxesFront
     from tandem.plan.cycle.result import CycleFront
     from tandem.plan.result import Front
 
@@ -29,7 +30,7 @@ def source_of(cell_file: str, *, is_variant: bool) -> str | None:
 
 
 def kept_when_interrupted(
-    front: Front | CycleFront, files: Iterable[Path], cell_file: str
+    front: Front | CycleFront | AxesFront, files: Iterable[Path], cell_file: str
 ) -> list[Path]:
     """Where an interrupted front is kept when no file was asked for that holds all of it."""
     if not front.interrupted or any(path.suffix == ".json" for path in files):

@@ -277,6 +277,7 @@ def plan_command(
             cell,
             asked,
             outputs,
+            cell_file=cell_file,
             source=source,
             as_json=as_json,
             lang=lang,

@@ -292,7 +292,16 @@ class _Search:
         self.asked: set[tuple[int, ...]] = set()
 
     def run(self) -> None:
-        """Slice by slice of the makespan, until nothing is left or time is up."""
+        """Until nothing is left or time is up. Ctrl-C ends it too, and what was found stays."""
+        try:
+            self._look()
+        except KeyboardInterrupt:
+            self.interrupted = True
+            if self.drawn is not None:
+                self._admit()
+
+    def _look(self) -> None:
+        """By the list of allocations where that is short, else slice by slice of the makespan."""
         if self.layout.impossible():
             self.complete = True
             return
@@ -306,6 +315,8 @@ class _Search:
             if tasks <= MOST_LISTED and len(self.counted) <= 2 and self._by_allocations(arrays):
                 self.proven, self.complete = set(self.found), True
                 return
+        if self.interrupted:
+            return
         least, levels = 0, LEVELS
         while not self.door.refused:
             times = sorted({point[0] for point in self.found if point[0] >= least})
@@ -528,9 +539,10 @@ class _Search:
         point = (admitted.makespan, *units)
         if any(_as_good(other, point) for other in self.found):
             return
-        for other in [other for other in self.found if _as_good(point, other)]:
+        beaten = [other for other in self.found if _as_good(point, other)]
+        self.found[point] = admitted  # first, so that Ctrl-C in between loses nothing
+        for other in beaten:
             del self.found[other]
-        self.found[point] = admitted
 
     def points(self, shift_s: float) -> tuple[Point, ...]:
         """What no other one beats, with exact values, sorted by makespan and the others."""
