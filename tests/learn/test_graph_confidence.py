@@ -11,7 +11,7 @@ import tandem
 from tandem.cell.model import Cell
 from tandem.cli.root import run as command
 from tandem.files.generators import layered
-from tandem.learn.graph.familiar import FACTS, SEEN, beyond, chance_of, facts, seen
+from tandem.learn.graph.familiar import FACTS, SEEN, beyond, facts, seen
 from tandem.learn.graph.labels import layout_of
 from tandem.learn.graph.making import Maker
 from tandem.learn.graph.outlook import Outlook
@@ -76,7 +76,11 @@ def test_the_numbers_of_a_cell_are_ratios_or_counts() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_a_chance_is_that_of_the_best_of_the_choices(seed: int) -> None:
     maker = Maker.of(shipped(), Outlook.of(layout(layered(12, seed=seed)), 0.0))
-    chance = chance_of(maker)
+    state, chance = maker.greedy()
+    alone = maker.build()
+    assert state is not None
+    assert alone is not None
+    assert state.starts() == alone.starts()
     assert chance is not None
     assert 1 / 48 <= chance <= 1
 
@@ -121,3 +125,12 @@ def test_every_number_has_its_words(language: str) -> None:
     t = words(language)
     for name in FACTS:
         assert t(f"terminal.beyond.{name}", value="1", seen="0")
+
+
+def test_time_that_runs_out_leaves_a_schedule() -> None:
+    front = tandem.plan(layered(60, seed=1), method="learned", time_limit=1e-9)
+    assert len(front) == 1
+    assert front.ended_by == "time"
+    assert "learned" not in front.solver
+    assert front.confidence is not None
+    assert front.confidence.chance is None

@@ -279,7 +279,8 @@ def best_of(
                 makers[id(keeper.found[-1])] = maker
                 if on_solution is not None:
                     on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
-            if late := time_limit is not None and perf_counter() - began > time_limit:
+            late = time_limit is not None and perf_counter() - began > time_limit
+            if late and keeper.found:
                 break
     except KeyboardInterrupt:
         interrupted = True

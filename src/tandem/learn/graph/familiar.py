@@ -11,8 +11,6 @@ from importlib.resources import files
 
 import numpy as np
 
-from tandem.learn.graph.candidates import Making
-from tandem.learn.graph.making import Maker
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.result import Beyond, Confidence
 
@@ -99,30 +97,11 @@ def beyond(layout: Layout) -> tuple[Beyond, ...]:
     )
 
 
-def chance_of(maker: Maker) -> float | None:
-    """What the network gives the choices of its greedy schedule, mean over those that left it one;
-    None where none did, or a limit ended the schedule early.
-    """
-    making, chances = Making.of(maker.outlook), list[float]()
-    while making.left:
-        choices = making.choices()
-        if not len(choices.rows):
-            return None
-        at = 0
-        if len(choices.rows) > 1:
-            likes = maker.likes(making, choices).astype(float)
-            at = int(likes.argmax())
-            chances.append(float(1 / np.exp(likes - likes[at]).sum()))
-        making.put(int(choices.rows[at]), int(choices.starts[at]))
-    return float(np.mean(chances)) if chances else None
-
-
-def confidence(layout: Layout, makers: Sequence[Maker]) -> Confidence:
+def confidence(layout: Layout, chances: Sequence[float]) -> Confidence:
     """How sure the policy is of its choices in the cell, and what in it is new to it.
 
     Args:
-      makers: of each weight of stress that was asked.
+      chances: what the network gives its own choices in each greedy schedule (`Maker.greedy`).
     """
-    chances = [chance for maker in makers if (chance := chance_of(maker)) is not None]
     mean = round(float(np.mean(chances)), 4) if chances else None
     return Confidence(mean, beyond(layout))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,20 +55,54 @@ class Maker:
         return found
 
     def build(
-        self, random: np.random.Generator | None = None, temperature: float | None = None
+        self,
+        random: np.random.Generator | None = None,
+        temperature: float | None = None,
+        *,
+        is_late: Callable[[], bool] = lambda: False,
     ) -> PartialSchedule | None:
         """A schedule: greedy without `random`, else each choice drawn from the softmax of the
         logits over `temperature`, that of `temperature_of` when None. None when it runs into a
-        limit that leaves a task without a step.
+        limit that leaves a task without a step, and when it `is_late` before it is done.
         """
-        if temperature is None:
-            temperature = temperature_of(len(self.outlook.tasks))
+        if random is None:
+            return self.greedy(is_late)[0]
+        heat = temperature_of(len(self.outlook.tasks)) if temperature is None else temperature
+
+        def drawn(making: Making, choices: Choices) -> int:
+            return self.chosen(making, choices, random, heat)
+
+        return self._made(drawn, is_late)
+
+    def greedy(
+        self, is_late: Callable[[], bool] = lambda: False
+    ) -> tuple[PartialSchedule | None, float | None]:
+        """The schedule in which each choice is the one that the network likes best, as `build` has
+        it, and the chance that it gives that choice, mean over the decisions that had another one;
+        None where there was none or the schedule is not done.
+        """
+        chances = list[float]()
+
+        def best(making: Making, choices: Choices) -> int:
+            if len(choices.rows) == 1:
+                return 0
+            likes = self.likes(making, choices).astype(float)
+            at = int(likes.argmax())
+            chances.append(float(1 / np.exp(likes - likes[at]).sum()))
+            return at
+
+        state = self._made(best, is_late)
+        return state, float(np.mean(chances)) if state is not None and chances else None
+
+    def _made(
+        self, chosen: Callable[[Making, Choices], int], is_late: Callable[[], bool]
+    ) -> PartialSchedule | None:
         making = Making.of(self.outlook)
         while making.left:
             choices = making.choices()
-            if not len(choices.rows):
+            if not len(choices.rows) or is_late():
                 return None
-            at = self.chosen(making, choices, random, temperature)
+            at = chosen(making, choices)
             making.put(int(choices.rows[at]), int(choices.starts[at]))
         return making.state
 
@@ -76,15 +110,13 @@ class Maker:
         self,
         making: Making,
         choices: Choices,
-        random: np.random.Generator | None,
+        random: np.random.Generator,
         temperature: float,
     ) -> int:
-        """Which of the choices is taken, as in `build`."""
+        """Which of the choices is drawn, as in `build`."""
         if len(choices.rows) == 1:
             return 0
         likes = self.likes(making, choices)
-        if random is None:
-            return int(likes.argmax())
         # the largest of logits with Gumbel noise is a draw from their softmax
         return int((likes / temperature + random.gumbel(size=len(likes))).argmax())
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from random import Random
+from time import perf_counter
 
 import numpy as np
 
@@ -59,21 +60,27 @@ def learned(
     Raises NothingFoundError when neither found a schedule that keeps the limits.
     """
 
-    weights = weights_of(policy)
+    began, weights, chances = perf_counter(), weights_of(policy), list[float]()
+
+    def is_late() -> bool:
+        return time_limit is not None and perf_counter() - began > time_limit
 
     def made(layout: Layout, enough: Callable[[], bool]) -> Attempts:
-        return _schedules(layout, weights, question, samples, seed, enough)
+        # the policy comes first: a rule is named only where it found something better
+        if _can_take(layout):
+            asked = weights_of_stress(layout, question)
+            each = samples // len(asked)
+            for state in by_weights(layout, weights, asked, each, seed, is_late, chances.append):
+                yield NAME, drawn_together(layout, state)
+        for name, rule in SPECS.items():
+            if name not in UNLIKE:
+                for state in attempts(layout, rule, Random(seed), question, enough):
+                    yield name, state
 
     by = "the policy or by a rule"
     front = best_of(cell, question, made, NAME, by, seed, time_limit, on_solution)
     layout = Layout.of(Instance.of(cell))
-    if not _can_take(layout):
-        return front
-    makers = [
-        Maker.of(weights, Outlook.of(layout, weight))
-        for weight in weights_of_stress(layout, question)
-    ]
-    return replace(front, confidence=confidence(layout, makers))
+    return replace(front, confidence=confidence(layout, chances)) if _can_take(layout) else front
 
 
 def _can_take(layout: Layout) -> bool:
@@ -83,45 +90,35 @@ def _can_take(layout: Layout) -> bool:
     return not layout.impossible() and layout.instance.stress_of_set is None
 
 
-def _schedules(
+def by_weights(
     layout: Layout,
     network: Weights,
-    question: Question,
-    samples: int,
+    weights: Sequence[float],
+    each: int,
     seed: int,
-    enough: Callable[[], bool],
-) -> Attempts:
-    """The policy comes first: a rule is named only where it found something better."""
-    if _can_take(layout):
-        yield from ((NAME, state) for state in _own(layout, network, question, samples, seed))
-    for name, rule in SPECS.items():
-        if name not in UNLIKE:
-            for state in attempts(layout, rule, Random(seed), question, enough):
-                yield name, state
-
-
-def _own(
-    layout: Layout, network: Weights, question: Question, samples: int, seed: int
+    is_late: Callable[[], bool] = lambda: False,
+    hear: Callable[[float], None] = lambda _: None,
 ) -> Iterator[PartialSchedule | None]:
-    """The policy's schedules, shared out over the weights of stress."""
-    weights = weights_of_stress(layout, question)
-    for state in by_weights(layout, network, weights, samples // len(weights), seed):
-        yield drawn_together(layout, state)
+    """Schedules by the policy: of each weight of stress one greedy, then drawn ones up to `each`,
+    until it `is_late`. Where there are several weights, the drawn ones differ more.
 
-
-def by_weights(
-    layout: Layout, network: Weights, weights: Sequence[float], each: int, seed: int
-) -> Iterator[PartialSchedule | None]:
-    """Schedules by the policy: of each weight of stress one greedy, then drawn ones up to `each`.
-    Where there are several weights, the drawn ones differ more.
+    Args:
+      hear: hears the chance that the network gives its choices in each greedy schedule.
     """
     random = np.random.default_rng(seed)
     heat = temperature_of(len(layout.steps)) * (WARMER if len(weights) > 1 else 1.0)
     for weight in weights:
+        if is_late():
+            return
         maker = Maker.of(network, Outlook.of(layout, weight))
-        yield maker.build()
+        state, chance = maker.greedy(is_late)
+        if chance is not None:
+            hear(chance)
+        yield state
         for _ in range(each - 1):
-            yield maker.build(random, heat)
+            if is_late():
+                return
+            yield maker.build(random, heat, is_late=is_late)
 
 
 def weights_of_stress(layout: Layout, question: Question) -> Sequence[float]:
