@@ -314,8 +314,8 @@ def test_so_many_schedules_are_drawn_as_asked(monkeypatch: pytest.MonkeyPatch) -
     from tandem.errors import UsageError
 
     made = list[int]()
-    make = Maker.build
-    monkeypatch.setattr(Maker, "build", lambda *given: (made.append(1), make(*given))[1])
+    make = Maker._made
+    monkeypatch.setattr(Maker, "_made", lambda *given: (made.append(1), make(*given))[1])
     cell, question = layered(6, seed=1), Question(minimize="makespan")
     tandem.plan(cell, question, method="learned", samples=5)
     assert len(made) == 5
