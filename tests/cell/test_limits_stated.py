@@ -24,7 +24,11 @@ def said(data: dict) -> str:
         ("peak:rebba", "no task of the cell has a value on the scale 'rebba'.*State `ergonomics`"),
         ("pek:reba", "no measure 'pek:reba'. Did you mean 'peak'?"),
         ("stress", "'stress' has a key of its own. Write `stress_limit: MOST`"),
-        ("worst:stress", "leave out `worst:`"),
+        ("sum", "'sum' has a key of its own. Write `stress_limit: MOST`"),
+        ("sum:stress", "'sum:stress' has a key of its own. Write `stress_limit: MOST`"),
+        ("sum:reba", "Write `stress_limit: MOST` instead. Of reba limit peak:reba"),
+        ("worst:stress", "Write `stress_limit: MOST` instead.*leave out `worst:`"),
+        ("worst:peak:reba", "leave out `worst:`"),
         ("time-weighted:reba", "falls by waiting alone. Take peak:reba"),
         ("fatigue:reba:0.1:0.2", "cannot be kept live.*--limit fatigue:reba:0.1:0.2=MOST"),
         ("dose:reba", "ranks are not added"),
@@ -37,6 +41,15 @@ def test_what_is_no_limit_is_refused_with_what_to_write_instead(name: str, words
     data["operators"]["anna"]["limits"] = {name: 3}
     with pytest.raises(CellError, match=f"operator 'anna'.*{words}"):
         cell_of(data)
+
+
+def test_no_other_spelling_of_the_sum_is_asked_for_on_the_way() -> None:
+    data = limited.data()
+    data["operators"]["anna"]["limits"] = {"sum:stress": 3, "stress": 3}
+    told = said(data)
+    assert told.count("Write `stress_limit: MOST` instead.") == 2
+    assert "write it as" not in told
+    assert "one measure" not in told
 
 
 def test_all_faults_are_told_at_once() -> None:

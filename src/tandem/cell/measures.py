@@ -181,6 +181,10 @@ def _of_operator(
     seen: dict[Measure, str] = {}
     for name in operator.limits:
         path = ("operators", who, "limits", name)
+        # first, so that no other spelling of it is asked for on the way
+        if (why := _own_key(name)) is not None:
+            yield Fault(f"operator {who!r}: limits: {name!r} {why}", path)
+            continue
         try:
             measure = read(name, known, is_by_set=cell.stress_of_set is not None)
         except UsageError as error:
@@ -203,12 +207,28 @@ def _of_operator(
             )
 
 
+def _own_key(name: str) -> str | None:
+    """What to write instead of a name that means the sum of stress, however it is spelled
+    (`stress`, `sum`, `sum:stress`, with `worst:` before it); None when it means something else.
+    """
+    whose, _, rest = name.strip().partition(":")
+    whole = rest if whose == "worst" else name.strip()
+    if whole != OWN and whole.partition(":")[0] != "sum":
+        return None
+    each = "" if whole == name.strip() else " It holds for each person, so leave out `worst:`."
+    scale = whole.partition(":")[2]
+    other = (
+        f" Of {scale} limit peak:{scale} or time-above:{scale}:LEVEL."
+        if scale not in ("", OWN)
+        else ""
+    )
+    return f"has a key of its own. Write `stress_limit: MOST` instead.{each}{other}"
+
+
 def _unkeepable(measure: Measure) -> str | None:
     """Why the measure is no limit of a cell; None when it can be one."""
     if measure.of_worst:
         return "cannot stand here: a limit holds for each person; leave out `worst:`."
-    if measure.what == "sum":
-        return "has a key of its own. Write `stress_limit: MOST` instead."
     if measure.what == "time-weighted":
         return (
             "cannot be a limit: a mean over time falls by waiting alone. Take"
