@@ -8,15 +8,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.world.test_carried_out import carried_out, front_of
 
 import tandem
+from tandem.cli.risk import AskedRisk, told_risk
 from tandem.cli.root import run
-from tandem.dispatch.evaluation import risk
-from tandem.dispatch.evaluation.risk import with_risk
+from tandem.dispatch.evaluation import as_planned, risk
+from tandem.dispatch.evaluation.risk import searching, with_risk
 from tandem.errors import UsageError
 from tandem.plan.result import Front, Quantiles, Risk
 from tandem.report import write
 from tandem.report.stored import read_plan
+from tandem.world import state as world
+from tandem.world.arrays import Names
+from tandem.world.carried_out import Plan
+from tandem.world.randomness import Chance, Draw, scenario
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 THESIS = EXAMPLES / "thesis.yaml"
@@ -88,6 +94,116 @@ def test_a_risk_is_kept_with_the_plan(risky: Front, tmp_path: Path) -> None:
     assert [result.risk for result in kept] == [result.risk for result in risky]
     assert kept.robust
     assert json.loads((tmp_path / "plan.json").read_text())["recommended_by"] == "p95"
+
+
+class Clock:
+    """Each look at it takes a second, so that what is done in a time can be counted."""
+
+    def __init__(self) -> None:
+        self.seconds = 0
+
+    def __call__(self) -> float:
+        self.seconds += 1
+        return self.seconds
+
+
+def test_when_time_is_up_all_points_rest_on_the_assemblies_that_all_have(front: Front) -> None:
+    # one look before the first part, then one for each of the three points of a part
+    missed: list[str] = []
+    found = with_risk(front, cv=0.3, until=12, now=Clock(), missed=missed.append)
+    assert [result.risk.fixed.episodes for result in found if result.risk] == [300] * 3
+    assert [result.risk.replanned for result in found if result.risk] == [None] * 3
+    assert missed == ["replanned"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(risk, "EPISODES", 300)
+        first = with_risk(front, cv=0.3, replanned=False)
+    assert [len(told) for told in (quantiles(found), quantiles(first))] == [3, 3]
+
+
+def test_re_planning_too_ends_with_its_last_whole_part(front: Front) -> None:
+    missed: list[str] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(risk, "EPISODES", 100)
+        patch.setattr(risk, "MOST_REPLANNED", 6)
+        patch.setattr(risk, "FEWEST_REPLANNED", 2)
+        found = with_risk(front, cv=0.3, until=150, now=Clock(), missed=missed.append)
+        whole = with_risk(front, cv=0.3)
+    counts = [result.risk.replanned.episodes for result in found if result.risk.replanned]
+    assert counts in ([2] * 3, [4] * 3)
+    assert missed == []
+    assert [result.risk.replanned.episodes for result in whole] == [6] * 3
+
+
+def test_without_time_the_front_stays_as_it_is_and_jax_is_not_asked(front: Front) -> None:
+    missed: list[str] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(risk, "_Floor", None)  # nothing is drawn
+        found = with_risk(front, cv=0.3, robust=True, until=4, now=Clock(), missed=missed.append)
+    assert found is front
+    assert missed == ["fixed"]
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        (AskedRisk(cv=0.3), "give a larger --time-limit."),
+        (AskedRisk(cv=0.3, robust=True), "the recommendation goes by the planned makespan."),
+    ],
+)
+def test_what_there_was_no_time_for_is_said_with_the_remedy(
+    front: Front, capsys: pytest.CaptureFixture[str], asked: AskedRisk, words: str
+) -> None:
+    assert told_risk(front, asked, until=0.0, quiet=True) is front
+    told = capsys.readouterr().err
+    assert told.startswith("No time was left to tell what the points risk:")
+    assert words in told
+
+
+def test_a_spread_that_the_cell_states_is_told_when_time_is_left(
+    front: Front, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = {
+        "name": "two",
+        "operators": {"anna": {"kind": "human"}},
+        "tasks": {"1": {"time": {"anna": 3}, "spread": 0.2, "stress": 1}},
+    }
+    stated = tandem.plan(tandem.Cell.model_validate(data), work=1)
+    assert told_risk(stated, AskedRisk(wanted=False), until=0.0, quiet=True) is stated
+    assert capsys.readouterr().err == ""
+    assert told_risk(stated, AskedRisk(), until=0.0, quiet=True) is stated
+    told = capsys.readouterr().err
+    assert "--risk" in told
+    assert "--no-risk" in told
+
+
+def test_a_part_of_the_limit_is_set_aside_where_that_is_of_use() -> None:
+    assert searching(60.0) == pytest.approx(40.0)
+    assert searching(10.0) == pytest.approx(6.0)
+    assert searching(5.0) == 5.0
+    assert searching(float("inf")) == float("inf")
+    assert AskedRisk(robust=True).searching(60.0) == pytest.approx(40.0)
+    assert AskedRisk().searching(60.0) == 60.0
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_carried_out_as_it_stands_a_plan_ends_when_the_world_has_it_end(seed: int) -> None:
+    for result in front_of(seed) or ():
+        names = Names.of(result.cell)
+        arrays, plan = names.arrays(), Plan.of(names, result.schedule)
+        draw = Draw.of(names, arrays, Chance("lognormal", 0.5))
+        numbers = np.random.default_rng(seed).random(draw.numbers, np.float32)
+        factor = scenario(draw, arrays, numbers).factor[:, 0]
+        cell = as_planned.planned_ways(arrays, plan)
+        ticks = as_planned.drawn_ticks(cell, factor[plan.way])
+        state = world.reset(cell)
+        ready = as_planned.due(cell, plan.awaits, state)
+        while as_planned.goes_on(cell, state, ready):
+            state, ready = as_planned.step(cell, ticks, plan.rank, plan.awaits, state, ready)
+        played = carried_out(result.cell, result.schedule, 0.5, seed)
+        assert names.seconds(int(world.makespan(state))) == played.makespan
+        if seed % 30 == 0:  # compiled it comes to the same
+            compiled = as_planned.carried_out(arrays, plan, factor[None])
+            assert compiled.tolist() == [int(world.makespan(state))]
 
 
 @pytest.mark.parametrize("given", [["--robust"], ["--cv", "0.2", "--no-risk"], ["--cv", "-1"]])

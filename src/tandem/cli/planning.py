@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -34,7 +35,7 @@ from tandem.cli.outputs import (
     write_outputs,
 )
 from tandem.cli.project import sound, tell_folder
-from tandem.cli.risk import told_risk
+from tandem.cli.risk import AskedRisk, told_risk
 from tandem.cli.seeds import say_which_seed
 from tandem.cli.stored import is_plan
 from tandem.cli.what_if import difference, tell_difference, variant_options
@@ -80,7 +81,10 @@ if TYPE_CHECKING:
     type=float,
     default=60.0,
     show_default=True,
-    help="Seconds; what is found by then is given with its bounds.",
+    help=(
+        "Seconds; what is found by then is given with its bounds. The risk counts in: it gets what"
+        " the search leaves, and with --cv, --robust or --risk a third is set aside for it."
+    ),
 )
 @WORK
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
@@ -285,16 +289,21 @@ def plan_command(
             seed=seed,
             workers=workers,
         )
+    risky = AskedRisk(cv, robust, risk)
+    risky.check(cell)
     kind = minimize or ("weighted" if weights else "front")
     question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
     begin = _schedules_that_fit(plan_file, cell, question) if plan_file else None
     solve = partial(
         plan, question=question, method=method, samples=samples, policy=_policy_file(learned)
     )
+    # by work no clock is asked, and all assemblies are carried out
+    until = monotonic() + time_limit if work is None else None
+    effort["time_limit"] = risky.searching(time_limit)
     with SolveProgress(quiet=quiet, language=lang) as progress:
         front = solve(cell, hint=begin, on_solution=progress, **effort)
     if not front.interrupted:
-        front = told_risk(front, cv, robust, risk, quiet)
+        front = told_risk(front, risky, until, quiet)
     front = replace(front, source=source)
     files += kept_when_interrupted(front, files, cell_file)
     point = None if point is None else _existing(front, point, files, lang) + 1

@@ -11,6 +11,7 @@ import mimetypes
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -41,6 +42,7 @@ from tandem.studio.importing import read_in, without_path
 from tandem.studio.questions import Tell, compare, graph, measures, moved, recommend, schedule_of
 
 if TYPE_CHECKING:
+    from tandem.cell.model import Cell
     from tandem.plan.method import Progress
     from tandem.plan.result import Front
 
@@ -70,6 +72,8 @@ CHARTS = ("front", "gantt", "graph")
 """What `tandem.report.files.CHARTS` draws."""
 EVERY_S = 0.1
 """Progress is told no more often."""
+PLANNING_S = 60.0
+"""What a plan with its risk takes at most, if nothing else is said."""
 EXPLAINING_S = 5.0
 """What an explanation takes at most, if nothing else is said."""
 
@@ -93,21 +97,35 @@ def plan(request: Json, tell: Tell) -> Json:
     if any(changes):
         cell = variant(cell, *changes)
     risk = {key: asked.pop(key) for key in ("cv", "robust", "risk") if key in asked}
-    front = plan_cell(cell, method=method, on_solution=_Telling(tell), **asked)
-    return _with_risk(front, **risk).to_dict()
+    search = partial(plan_cell, cell, method=method, on_solution=_Telling(tell))
+    front = _with_risk(cell, search, asked, **risk) if any(risk.values()) else search(**asked)
+    return front.to_dict()
 
 
-def _with_risk(front: Front, cv: float = 0.0, robust: bool = False, risk: bool = False) -> Front:
-    """The front with what becomes of each point where times scatter, when that is asked."""
-    if front.interrupted or not (cv or robust or risk):
-        return front
+def _with_risk(
+    cell: Cell,
+    search: Callable[..., Front],
+    asked: Json,
+    cv: float = 0.0,
+    robust: bool = False,
+    risk: bool = False,
+) -> Front:
+    """The front with what becomes of each point where times scatter, both within the time limit."""
     if not 0 <= cv <= 10:
         raise UsageError(f"options.cv is {cv:g}, but must be between 0 and 10.")
     if find_spec("jax") is None:
         raise UsageError("telling the risk of a plan needs JAX: pip install 'tandem[learn]'")
-    from tandem.dispatch.evaluation.risk import with_risk
+    from tandem.dispatch.evaluation.risk import check_scatter, searching, with_risk
 
-    return with_risk(front, cv=cv, robust=robust, replanned=True, tell=lambda _: None)
+    check_scatter(cell, cv)
+    until = None
+    if "work" not in asked:  # by work no clock is asked
+        limit = asked.get("time_limit", PLANNING_S)
+        asked, until = {**asked, "time_limit": searching(limit)}, time.monotonic() + limit
+    front = search(**asked)
+    if front.interrupted:
+        return front
+    return with_risk(front, cv=cv, robust=robust, until=until)
 
 
 class _Telling:

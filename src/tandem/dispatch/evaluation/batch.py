@@ -78,6 +78,14 @@ class EpisodeBatch:
             draw.chance.undo,
         )
 
+    def some(self, first: int, count: int) -> EpisodeBatch:
+        """So many of the episodes, from that one on."""
+        return replace(
+            self,
+            scenarios=rows(self.scenarios, count, first),
+            people=rows(self.people, count, first),
+        )
+
     def play(
         self,
         policy: Policy,
@@ -91,13 +99,7 @@ class EpisodeBatch:
         `between`: called after each decision, when nobody waits.
         """
         count = len(self.people.pace) if count is None else min(count, len(self.people.pace))
-        stage = (
-            self
-            if count > FEW
-            else replace(
-                self, scenarios=rows(self.scenarios, count), people=rows(self.people, count)
-            )
-        )
+        stage = self if count > FEW else self.some(0, count)
         return _Play(stage, policy, count, between).run()
 
 

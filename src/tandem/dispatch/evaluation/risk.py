@@ -4,40 +4,89 @@ stands, and with the rest planned anew at every event.
 People comply; a task takes its stated time on average, and scatters by the `spread` that the cell
 states for it, else by a common coefficient of variation (lognormal). All points, and both ways of
 carrying a plan out, meet the same durations (common random numbers).
+
+The assemblies come in parts. All points are carried out in one part before the next one begins, so
+that they rest on the same assemblies when time is up.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-from functools import lru_cache, partial
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from math import inf
+from time import monotonic
+from typing import Any, TypeVar
 
 import numpy as np
 
+from tandem.cell.model import Cell
 from tandem.dispatch.deciders.memory import settled_memory
-from tandem.dispatch.deciders.policy import Basis, Chosen, Options
+from tandem.dispatch.deciders.policy import Basis, Chosen, Options, Policy
 from tandem.dispatch.deciders.table import policy
+from tandem.dispatch.evaluation.as_planned import carried_out
 from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.errors import CellError, UsageError
-from tandem.plan.result import Front, Quantiles, Result, Risk, Status
-from tandem.world import people as crew
-from tandem.world.arrays import Arrays, Names
-from tandem.world.carried_out import Plan, carry_on
-from tandem.world.episode import Played, play
+from tandem.plan.result import Front, Quantiles, Risk, Status
+from tandem.world.arrays import Names
+from tandem.world.carried_out import Plan
 from tandem.world.people import Person, compliant
-from tandem.world.randomness import Chance, Draw, Scenario
+from tandem.world.randomness import Chance, Draw
+
+T = TypeVar("T")
+Makespans = np.ndarray[Any, Any]
+"""`[E]` seconds."""
 
 EPISODES = 2_000
 """Assemblies in which each plan is carried out as it stands."""
+PART, SMALLEST_PART = 100, 20
+"""So many of them at once, and where tasks are many. Both divide `EPISODES`: a last part of another
+size would be compiled anew.
+"""
 MOST_REPLANNED, FEWEST_REPLANNED = 100, 20
-"""Assemblies in which each plan is planned anew at every event."""
+"""Assemblies in which each plan is planned anew at every event; the fewest are a part."""
 DECISIONS = 4_000
 """So many decisions, about, for all points of a front; larger cells and fronts get fewer
 assemblies, down to `FEWEST_REPLANNED`.
 """
 REPLANNED_BY = "replan-robust"
+
+SHARE = 1 / 3
+"""Of a time limit, what is set aside for the risk when it is asked for."""
+BEGINNING_S, BEGINNING_ANEW_S = 4.0, 6.0
+"""Seconds of one core that loading and compiling take, about, before the first assembly is carried
+out, and before the first one is planned anew. Compiling cannot be broken off, so where less is left
+it is not begun.
+"""
+STEPS_A_SECOND = 2e8
+"""An assembly of `T` tasks is about `T ** 3` of them: each beginning and each end looks at every
+pair of tasks.
+"""
+
+
+def searching(time_limit: float) -> float:
+    """Seconds of a time limit that the search gets where a risk is asked for. What it leaves is a
+    `SHARE` of the limit, or what the beginning takes when that is more; nothing where that is more
+    than half of the limit.
+    """
+    aside = max(SHARE * time_limit, BEGINNING_S)
+    return time_limit - aside if aside <= time_limit / 2 < inf else time_limit
+
+
+def check_scatter(cell: Cell, cv: float) -> None:
+    """Raises UsageError when no time scatters, neither by the cell nor by the cv."""
+    if not cv and not any(task.scatters for task in cell.tasks.values()):
+        raise UsageError(
+            "no time of this cell scatters, so that no risk can be told: give --cv 0.2, or a"
+            " `spread` in the cell."
+        )
+
+
+def has_time(front: Front, until: float | None, now: Callable[[], float] = monotonic) -> bool:
+    """Whether a first part of the assemblies can be told by then; JAX need not be loaded to ask."""
+    _, first_s = _part(front)
+    return _Clock(until, now).leaves(BEGINNING_S + first_s)
 
 
 def with_risk(
@@ -47,7 +96,10 @@ def with_risk(
     robust: bool = False,
     replanned: bool = True,
     seed: int = 0,
+    until: float | None = None,
+    now: Callable[[], float] = monotonic,
     tell: Callable[[str], None] = lambda _: None,
+    missed: Callable[[str], None] = lambda _: None,
 ) -> Front:
     """The front, each point with its risk.
 
@@ -56,68 +108,160 @@ def with_risk(
       robust: recommend by the P95 of the makespan as carried out.
       replanned: tell too what comes of re-planning, which takes many decisions.
       seed: of chance.
+      until: `now()` seconds at which to stop. Fewer assemblies are then carried out, the same for
+        all points; where there is not time for a part of them, the front comes back as it is, or
+        nothing is told of re-planning. None for all assemblies: no clock is asked, and a seed gives
+        the same numbers.
       tell: hears how far the work has come.
+      missed: hears what there was no time for, "fixed" or "replanned" (`Risk`).
 
     Raises:
       UsageError: no time scatters; or a cv out of range.
       CellError: the cell is too large to be simulated.
     """
-    if not cv and not any(task.scatters for task in front.cell.tasks.values()):
-        raise UsageError(
-            "no time of this cell scatters, so that no risk can be told: give --cv 0.2, or a"
-            " `spread` in the cell."
-        )
-    names = Names.of(front.cell)
-    arrays = names.arrays()
-    draw = Draw.of(names, arrays, Chance("lognormal", cv))
-    persons = Person(*(np.stack([np.asarray(part)] * EPISODES) for part in compliant(arrays)))
-    stage = EpisodeBatch.of(names, arrays, draw, persons, seed)
-    count = DECISIONS // (2 * len(front.cell.tasks) * max(len(front), 1))
-    count = min(MOST_REPLANNED, max(FEWEST_REPLANNED, count))
-    found = []
-    for place, result in enumerate(front):
-        tell(f"carrying out point {place + 1} of {len(front)}")
-        fixed = _quantiles(carried_out(stage, Plan.of(names, result.schedule)))
-        objective = Objective.of_point(front, place)
-        anew = _replanned(stage, result, objective, count, seed) if replanned else None
-        found.append(replace(result, risk=Risk(fixed, anew)))
+    check_scatter(front.cell, cv)
+    if not has_time(front, until, now):
+        missed("fixed")
+        return front
+    clock, (size, _) = _Clock(until, now), _part(front)
+    floor = _Floor.of(front, cv, seed)
+    tell(f"carrying out {len(front)} plan{'s' * (len(front) != 1)}")
+    fixed = floor.as_planned(clock, size)
+    if fixed is None:
+        missed("fixed")
+        return front
+    anew = floor.planned_anew(clock, tell, missed) if replanned else None
+    risks = [
+        Risk(_quantiles(makespans), None if anew is None else _quantiles(anew[place]))
+        for place, makespans in enumerate(fixed)
+    ]
+    found = (replace(result, risk=risk) for result, risk in zip(front, risks, strict=True))
     return replace(front, results=tuple(found), robust=robust)
 
 
-def _replanned(
-    stage: EpisodeBatch, result: Result, objective: Objective, count: int, seed: int
-) -> Quantiles | None:
-    """The makespan under a decider that follows the plan while it is good; None when the cell has
-    a rule that cannot be kept live.
+def _part(front: Front) -> tuple[int, float]:
+    """How many assemblies are carried out at once, and about how many seconds the first part takes
+    for all points.
     """
+    steps = len(front.cell.tasks) ** 3
+    size = PART if PART * steps < STEPS_A_SECOND / 2 else SMALLEST_PART
+    return size, len(front) * size * steps / STEPS_A_SECOND
+
+
+class _OutOfTimeError(Exception):
+    """Time is up: what is under way counts for nothing."""
+
+
+@dataclass(frozen=True)
+class _Clock:
+    """What `with_risk` asks for the time; it never is up without an `until`."""
+
+    until: float | None
+    now: Callable[[], float]
+
+    def leaves(self, seconds: float) -> bool:
+        """Whether so many are left."""
+        return self.until is None or self.until - self.now() >= seconds
+
+    def check(self) -> None:
+        """Raises _OutOfTimeError when time is up."""
+        if not self.leaves(0.0):
+            raise _OutOfTimeError
+
+
+@dataclass(frozen=True)
+class _Floor:
+    """Where the points of a front are carried out: the chances of all assemblies, drawn once."""
+
+    front: Front
+    stage: EpisodeBatch
+    seed: int
+
+    @classmethod
+    def of(cls, front: Front, cv: float, seed: int) -> _Floor:
+        names = Names.of(front.cell)
+        arrays = names.arrays()
+        # people comply, so that no mood plays a part: one is drawn where each decision would have
+        # its own, most of all numbers
+        draw = replace(Draw.of(names, arrays, Chance("lognormal", cv)), decisions=1)
+        people = Person(*(np.stack([np.asarray(part)] * EPISODES) for part in compliant(arrays)))
+        return cls(front, EpisodeBatch.of(names, arrays, draw, people, seed), seed)
+
+    def as_planned(self, clock: _Clock, size: int) -> list[Makespans] | None:
+        """Of each point the makespans in seconds, as many of `EPISODES` as there was time for in
+        parts of this size; None without a whole part.
+        """
+        stage = self.stage
+        plans = [Plan.of(stage.names, result.schedule) for result in self.front]
+
+        def play(plan: Plan, part: slice) -> Makespans:
+            clock.check()
+            factor = stage.scenarios.factor[part, :, 0]
+            return carried_out(stage.arrays, plan, factor) / stage.names.per_second
+
+        return _in_parts(plans, EPISODES, size, play)
+
+    def planned_anew(
+        self, clock: _Clock, tell: Callable[[str], None], missed: Callable[[str], None]
+    ) -> list[Makespans] | None:
+        """The same under a decider that follows the plan while it is good; None too when the cell
+        has a rule that cannot be kept live.
+        """
+        front = self.front
+        try:
+            deciders = [_decider(front, place, self.seed) for place in range(len(front))]
+        except CellError:
+            return None
+        count = DECISIONS // (2 * len(front.cell.tasks) * max(len(front), 1))
+        count = min(MOST_REPLANNED, max(FEWEST_REPLANNED, count))
+        found = None
+        if clock.leaves(BEGINNING_ANEW_S):
+            tell("planning anew at every event")
+            with settled_memory() as settle:
+                found = _in_parts(
+                    deciders, count, FEWEST_REPLANNED, partial(self._play_anew, clock, settle)
+                )
+        if found is None:
+            missed("replanned")
+        return found
+
+    def _play_anew(
+        self, clock: _Clock, settle: Callable[[], None], decider: Policy, part: slice
+    ) -> Makespans:
+        def between() -> None:
+            clock.check()
+            settle()
+
+        clock.check()
+        # of one size, also where the last part is smaller: nothing is compiled anew
+        some = self.stage.some(part.start, FEWEST_REPLANNED)
+        return some.play(decider, part.stop - part.start, between=between).makespan
+
+
+def _decider(front: Front, place: int, seed: int) -> Policy:
+    """Raises CellError when the cell has a rule that cannot be kept live."""
+    result = front[place]
     basis = Basis.of(result, proven=result.status == Status.OPTIMAL)
     options = Options(seed=seed, plan=Chosen(result.schedule, basis))
-    try:
-        decider = policy(REPLANNED_BY, result.cell, objective, options)
-    except CellError:
-        return None
-    with settled_memory() as settle:
-        return _quantiles(stage.play(decider, count, between=settle).makespan)
+    return policy(REPLANNED_BY, result.cell, Objective.of_point(front, place), options)
 
 
-def carried_out(stage: EpisodeBatch, plan: Plan) -> np.ndarray[Any, Any]:
-    """`[E]`, the makespan in seconds of each episode under the plan."""
-    played = _compiled()(stage.arrays, stage.scenarios, stage.people, plan)
-    return np.asarray(played.makespan) / stage.names.per_second
+def _in_parts(
+    points: Sequence[T], count: int, size: int, play: Callable[[T, slice], Makespans]
+) -> list[Makespans] | None:
+    """Of each point what `play` gives of the first `count` assemblies, part by part until it raises
+    _OutOfTimeError. What came of a part then counts for no point. None without a whole part.
+    """
+    found: list[list[Makespans]] = []
+    for first in range(0, count, size):
+        part = slice(first, min(first + size, count))
+        try:
+            found.append([play(point, part) for point in points])
+        except _OutOfTimeError:
+            break
+    return [np.concatenate(mine) for mine in zip(*found, strict=True)] if found else None
 
 
-@lru_cache(maxsize=1)
-def _compiled() -> Callable[[Arrays, Scenario, Person, Plan], Played]:
-    """Compiled once for all plans of a cell: the plan comes in as data."""
-    import jax
-
-    def one(arrays: Arrays, scenario: Scenario, person: Person, plan: Plan) -> Played:
-        arrays = plan.held_back(arrays)
-        return play(arrays, scenario, crew.crew(arrays, person), partial(carry_on, plan))
-
-    return jax.jit(jax.vmap(one, in_axes=(None, 0, 0, None)))
-
-
-def _quantiles(makespans: np.ndarray[Any, Any]) -> Quantiles:
+def _quantiles(makespans: Makespans) -> Quantiles:
     p50, p95 = (round(float(np.quantile(makespans, share)), 4) for share in (0.5, 0.95))
     return Quantiles(p50, p95, len(makespans))

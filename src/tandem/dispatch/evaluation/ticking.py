@@ -143,9 +143,9 @@ def row(tree: T, number: int) -> T:
     return _mapped(lambda part: part[number], tree)
 
 
-def rows(tree: T, count: int) -> T:
-    """The first so many rows."""
-    return _mapped(lambda part: part[:count], tree)
+def rows(tree: T, count: int, first: int = 0) -> T:
+    """So many rows from that one on."""
+    return _mapped(lambda part: part[first : first + count], tree)
 
 
 def _mapped(what: Callable[[Any], Any], tree: Any) -> Any:
