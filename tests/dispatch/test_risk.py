@@ -114,10 +114,9 @@ def test_when_time_is_up_all_points_rest_on_the_assemblies_that_all_have(front: 
     assert [result.risk.fixed.episodes for result in found if result.risk] == [300] * 3
     assert [result.risk.replanned for result in found if result.risk] == [None] * 3
     assert missed == ["replanned"]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(risk, "EPISODES", 300)
-        first = with_risk(front, cv=0.3, replanned=False)
-    assert [len(told) for told in (quantiles(found), quantiles(first))] == [3, 3]
+    all_drawn = risk._Floor.of(front, 0.3, 0).as_planned(risk._Clock(None, Clock()), 100) or []
+    first = [np.quantile(makespans[:300], [0.5, 0.95]) for makespans in all_drawn]
+    assert np.allclose(quantiles(found), first, atol=1e-4)
 
 
 def test_re_planning_too_ends_with_its_last_whole_part(front: Front) -> None:
@@ -174,6 +173,15 @@ def test_a_spread_that_the_cell_states_is_told_when_time_is_left(
     told = capsys.readouterr().err
     assert "--risk" in told
     assert "--no-risk" in told
+
+
+def test_by_work_no_clock_is_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cell = THESIS.read_text().replace("stress: 10}", "stress: 10, spread: 0.2}")
+    (tmp_path / "cell.yaml").write_text(cell)
+    assert run(["plan", str(tmp_path / "cell.yaml"), "--work", "1", "--json", "-q"]) == 0
+    points = json.loads(capsys.readouterr().out)["front"]
+    assert [point["risk"]["fixed"]["episodes"] for point in points] == [2000] * 3
+    assert all(point["risk"].get("replanned") is None for point in points)
 
 
 def test_a_part_of_the_limit_is_set_aside_where_that_is_of_use() -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from time import monotonic
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cli.axes import asked_of, axes_options, tell_axes
+from tandem.cli.axes import Asked, asked_of, axes_options, tell_axes
 from tandem.cli.cycle import Outputs, Repeated, answer, cycle_options
 from tandem.cli.options import (
     FORMAT,
@@ -238,41 +238,24 @@ def plan_command(
     Ctrl-C ends the search: what was found so far is printed with its bounds and saved (in
     CELL.interrupted.json when no .json file was asked for), and the exit code is 130.
     """
-    from tandem.explain.variant import variant
-    from tandem.files.load import load
-    from tandem.plan.cycle.mix import product_of
     from tandem.plan.methods import plan
-    from tandem.plan.question import Question
-    from tandem.report.files import ready_to_write
-    from tandem.report.language import words
-    from tandem.report.progress import SolveProgress
 
     check_work(work)
-    if minimize and weights:
-        raise UsageError("--minimize and --weights exclude each other: give one of them.")
     files = [*outputs, *([report] if report else [])]
     repeated = Repeated(cycle, takt, max_in_process, batch, mix, one_allocation)
+    if minimize and weights:
+        raise UsageError("--minimize and --weights exclude each other: give one of them.")
     asked = asked_of(measure, axes, shift, cycles_per_shift, limit, within, outputs)
     _check_drawing(samples, learned, bool(repeated or asked))
-    if repeated:
-        repeated.check(minimize, is_given)
-    elif minimize == "cycle_time":
-        raise UsageError("--minimize cycle_time goes with --cycle.")
-    elif not asked:
-        ready_to_write(files)
-    cell, base = product_of(load(cell_file, form), product), None
-    if sets or without or force:
-        base, cell = cell, variant(cell, sets, without, force)
+    _check_kind(repeated, asked, minimize, files)
+    cell, base = _cell_to_plan(cell_file, form, product, sets, without, force)
     source = source_of(cell_file, is_variant=base is not None or product is not None)
-    effort: dict[str, Any] = {
-        "time_limit": time_limit,
-        "work": work,
-        "seed": seed,
-        "workers": workers,
-    }
+    stem = "stdin" if cell_file == "-" else Path(cell_file).stem
+    where = Outputs(tuple(files), source, stem, as_json, point, lang, quiet)
+    effort = {"time_limit": time_limit, "work": work, "seed": seed, "workers": workers}
+    # three kinds of answers: of one product after the other, over other measures, or of makespan
+    # and stress, which the rest is about
     if repeated:
-        stem = "stdin" if cell_file == "-" else Path(cell_file).stem
-        where = Outputs(tuple(files), source, stem, as_json, point, lang, quiet)
         return answer(
             cell, repeated, minimize, where, method=method, max_stress=max_stress, **effort
         )
@@ -291,35 +274,104 @@ def plan_command(
         )
     risky = AskedRisk(cv, robust, risk)
     risky.check(cell)
-    kind = minimize or ("weighted" if weights else "front")
-    question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
+    question = _question(minimize, weights, max_makespan, max_stress)
     begin = _schedules_that_fit(plan_file, cell, question) if plan_file else None
     solve = partial(
         plan, question=question, method=method, samples=samples, policy=_policy_file(learned)
     )
+    # the base of a variant is searched as long as the variant, so that the two can be compared
+    search = {**effort, "time_limit": risky.searching(time_limit)}
     # by work no clock is asked, and all assemblies are carried out
     until = monotonic() + time_limit if work is None else None
-    effort["time_limit"] = risky.searching(time_limit)
-    with SolveProgress(quiet=quiet, language=lang) as progress:
-        front = solve(cell, hint=begin, on_solution=progress, **effort)
+    front = _searched(partial(solve, cell, hint=begin, **search), quiet, lang)
     if not front.interrupted:
         front = told_risk(front, risky, until, quiet)
     front = replace(front, source=source)
-    files += kept_when_interrupted(front, files, cell_file)
-    point = None if point is None else _existing(front, point, files, lang) + 1
+    kept = kept_when_interrupted(front, files, cell_file)
+    where = replace(where, files=(*files, *kept))
+    what_if = None if base is None else _WhatIf(base, partial(solve, base, **search))
+    return _hand_over(front, where, what_if, explain_bound)
+
+
+def _check_kind(
+    repeated: Repeated, asked: Asked, minimize: str | None, files: Sequence[Path]
+) -> None:
+    """Refuses, before anything is read, options that do not go with the kind of answer, and of
+    one product files that could not be written after the search.
+    """
+    from tandem.report.files import ready_to_write
+
+    if repeated:
+        repeated.check(minimize, is_given)
+    elif minimize == "cycle_time":
+        raise UsageError("--minimize cycle_time goes with --cycle.")
+    elif not asked:
+        ready_to_write(files)
+
+
+def _cell_to_plan(
+    cell_file: str,
+    form: str | None,
+    product: str | None,
+    sets: tuple[str, ...],
+    without: tuple[str, ...],
+    force: tuple[str, ...],
+) -> tuple[Cell, Cell | None]:
+    """The cell, and where a variant of it is asked for the variant and the cell as it is."""
+    from tandem.explain.variant import variant
+    from tandem.files.load import load
+    from tandem.plan.cycle.mix import product_of
+
+    cell = product_of(load(cell_file, form), product)
+    if sets or without or force:
+        return variant(cell, sets, without, force), cell
+    return cell, None
+
+
+def _question(
+    minimize: str | None,
+    weights: tuple[float, float] | None,
+    max_makespan: float | None,
+    max_stress: float | None,
+) -> Question:
+    """What is asked of makespan and stress: all compromises, or one of them."""
+    from tandem.plan.question import Question
+
+    kind = minimize or ("weighted" if weights else "front")
+    return Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
+
+
+def _searched(search: Callable[..., Front], quiet: bool, lang: str) -> Front:
+    """What a search finds, which tells on stderr how far it has come."""
+    from tandem.report.progress import SolveProgress
+
+    with SolveProgress(quiet=quiet, language=lang) as progress:
+        return search(on_solution=progress)
+
+
+@dataclass(frozen=True)
+class _WhatIf:
+    """The cell as it is, when a variant was planned, and what plans it in the same way."""
+
+    base: Cell
+    plan_base: Callable[[], Front]
+
+
+def _hand_over(front: Front, where: Outputs, what_if: _WhatIf | None, explain_bound: bool) -> int:
+    """Writes what was found, then shows it, so that no pipe that closes costs a file; the exit
+    code.
+    """
+    from tandem.report.language import words
+
+    files, lang, point = where.files, where.lang, where.point
+    if point is not None:
+        point = _existing(front, point, files, lang) + 1
     write_outputs(front, files, lang, point=point)
-    if base is None or front.interrupted:
-        show(front, as_json, lang, point=point, explain_bound=explain_bound)
+    # an interrupted search is not followed by another one
+    if what_if is None or front.interrupted:
+        show(front, where.as_json, lang, point=point, explain_bound=explain_bound)
     else:
-        _show_variant(
-            base,
-            front,
-            as_json,
-            partial(solve, base, **effort),
-            lang,
-            point,
-            explain_bound,
-        )
+        _show_variant(what_if, front, where.as_json, lang, point, explain_bound)
     tell_written(files, lang)
     if front.interrupted:
         click.echo(words(lang)("terminal.stopped"), err=True)
@@ -363,10 +415,9 @@ def _existing(front: Front, point: int, files: Sequence[Path], lang: str) -> int
 
 
 def _show_variant(
-    base: Cell,
+    what_if: _WhatIf,
     front: Front,
     as_json: bool,
-    plan_base: Callable[[], Front],
     lang: str,
     point: int | None,
     explain_bound: bool,
@@ -376,11 +427,12 @@ def _show_variant(
     """
     if as_json:
         bounds = {"bounds": proofs_of(front).to_dict(lang)} if explain_bound else {}
-        more = {"difference": difference(base, front, plan_base, lang), **bounds}
+        changed = difference(what_if.base, front, what_if.plan_base, lang)
+        more = {"difference": changed, **bounds}
         click.echo(json.dumps({**front.to_dict(), **more}, ensure_ascii=False))
         return
     show(front, as_json, lang, point=point, explain_bound=explain_bound)
-    tell_difference(base, front, plan_base, lang)
+    tell_difference(what_if.base, front, what_if.plan_base, lang)
 
 
 @click.command("check")

@@ -50,7 +50,8 @@ DECISIONS = 4_000
 """So many decisions, about, for all points of a front; larger cells and fronts get fewer
 assemblies, down to `FEWEST_REPLANNED`.
 """
-REPLANNED_BY = "replan-robust"
+REPLANNED_BY, OF_ANY_LIVE_CELL = "replan-robust", "longest-tail"
+"""Who plans anew; and who is made at once and refuses the same cells."""
 
 SHARE = 1 / 3
 """Of a time limit, what is set aside for the risk when it is asked for."""
@@ -59,6 +60,8 @@ BEGINNING_S, BEGINNING_ANEW_S = 4.0, 6.0
 out, and before the first one is planned anew. Compiling cannot be broken off, so where less is left
 it is not begun.
 """
+WARMING_S = 2.0
+"""Seconds, about, in which a decider values the first choices of a point before it is asked."""
 STEPS_A_SECOND = 2e8
 """An assembly of `T` tasks is about `T ** 3` of them: each beginning and each end looks at every
 pair of tasks.
@@ -130,6 +133,7 @@ def with_risk(
     if fixed is None:
         missed("fixed")
         return front
+    # second, so that it costs none of the assemblies that every point is judged by
     anew = floor.planned_anew(clock, tell, missed) if replanned else None
     risks = [
         Risk(_quantiles(makespans), None if anew is None else _quantiles(anew[place]))
@@ -209,18 +213,18 @@ class _Floor:
         """
         front = self.front
         try:
-            deciders = [_decider(front, place, self.seed) for place in range(len(front))]
+            policy(OF_ANY_LIVE_CELL, front.cell, Objective.of_point(front, 0))
         except CellError:
             return None
         count = DECISIONS // (2 * len(front.cell.tasks) * max(len(front), 1))
         count = min(MOST_REPLANNED, max(FEWEST_REPLANNED, count))
         found = None
-        if clock.leaves(BEGINNING_ANEW_S):
+        if clock.leaves(BEGINNING_ANEW_S + len(front) * WARMING_S):
             tell("planning anew at every event")
+            deciders = [_decider(front, place, self.seed) for place in range(len(front))]
             with settled_memory() as settle:
-                found = _in_parts(
-                    deciders, count, FEWEST_REPLANNED, partial(self._play_anew, clock, settle)
-                )
+                play = partial(self._play_anew, clock, settle)
+                found = _in_parts(deciders, count, FEWEST_REPLANNED, play)
         if found is None:
             missed("replanned")
         return found
@@ -239,7 +243,7 @@ class _Floor:
 
 
 def _decider(front: Front, place: int, seed: int) -> Policy:
-    """Raises CellError when the cell has a rule that cannot be kept live."""
+    """Who follows the plan of a point and leaves it where that gains."""
     result = front[place]
     basis = Basis.of(result, proven=result.status == Status.OPTIMAL)
     options = Options(seed=seed, plan=Chosen(result.schedule, basis))
