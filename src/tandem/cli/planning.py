@@ -252,7 +252,12 @@ def plan_command(
     source = source_of(cell_file, is_variant=base is not None or product is not None)
     stem = "stdin" if cell_file == "-" else Path(cell_file).stem
     where = Outputs(tuple(files), source, stem, as_json, point, lang, quiet)
-    effort = {"time_limit": time_limit, "work": work, "seed": seed, "workers": workers}
+    effort: dict[str, Any] = {
+        "time_limit": time_limit,
+        "work": work,
+        "seed": seed,
+        "workers": workers,
+    }
     # three kinds of answers: of one product after the other, over other measures, or of makespan
     # and stress, which the rest is about
     if repeated:

@@ -118,7 +118,7 @@ def _with_risk(
     from tandem.dispatch.evaluation.risk import check_scatter, searching, with_risk
 
     check_scatter(cell, cv)
-    until = None
+    until: float | None = None
     if "work" not in asked:  # by work no clock is asked
         limit = asked.get("time_limit", PLANNING_S)
         asked, until = {**asked, "time_limit": searching(limit)}, time.monotonic() + limit

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from math import inf
 from time import monotonic
 from typing import Any, TypeVar
@@ -53,15 +52,15 @@ assemblies, down to `FEWEST_REPLANNED`.
 REPLANNED_BY, OF_ANY_LIVE_CELL = "replan-robust", "longest-tail"
 """Who plans anew; and who is made at once and refuses the same cells."""
 
-SHARE = 1 / 3
-"""Of a time limit, what is set aside for the risk when it is asked for."""
-BEGINNING_S, BEGINNING_ANEW_S = 4.0, 6.0
-"""Seconds of one core that loading and compiling take, about, before the first assembly is carried
-out, and before the first one is planned anew. Compiling cannot be broken off, so where less is left
-it is not begun.
+SHARE, LEAST_ASIDE_S = 1 / 3, 4.5
+"""Of a time limit, what is set aside for the risk when it is asked for: this share, and at least so
+many seconds, a second more than the beginning takes, since a search ends a little late.
 """
-WARMING_S = 2.0
-"""Seconds, about, in which a decider values the first choices of a point before it is asked."""
+BEGINNING_S, BEGINNING_ANEW_S, WARMING_S = 3.5, 5.0, 2.0
+"""Seconds of one core, about: of loading and compiling before the first assembly is carried out;
+of compiling before the first one is planned anew; and in which each point's decider values its
+first choices. None of it can be broken off, so where less is left it is not begun.
+"""
 STEPS_A_SECOND = 2e8
 """An assembly of `T` tasks is about `T ** 3` of them: each beginning and each end looks at every
 pair of tasks.
@@ -69,11 +68,10 @@ pair of tasks.
 
 
 def searching(time_limit: float) -> float:
-    """Seconds of a time limit that the search gets where a risk is asked for. What it leaves is a
-    `SHARE` of the limit, or what the beginning takes when that is more; nothing where that is more
-    than half of the limit.
+    """Seconds of a time limit that the search gets where a risk is asked for; all of them where
+    more than half would have to be set aside.
     """
-    aside = max(SHARE * time_limit, BEGINNING_S)
+    aside = max(SHARE * time_limit, LEAST_ASIDE_S)
     return time_limit - aside if aside <= time_limit / 2 < inf else time_limit
 
 
@@ -126,15 +124,19 @@ def with_risk(
     if not has_time(front, until, now):
         missed("fixed")
         return front
-    clock, (size, _) = _Clock(until, now), _part(front)
-    floor = _Floor.of(front, cv, seed)
+    floor, clock = _Floor.of(front, cv, seed), _Clock(until, now)
     tell(f"carrying out {len(front)} plan{'s' * (len(front) != 1)}")
-    fixed = floor.as_planned(clock, size)
-    if fixed is None:
+    try:
+        fixed = floor.as_planned(clock)
+    except _OutOfTimeError:
         missed("fixed")
         return front
     # second, so that it costs none of the assemblies that every point is judged by
-    anew = floor.planned_anew(clock, tell, missed) if replanned else None
+    anew: list[Makespans] | None = None
+    try:
+        anew = floor.planned_anew(clock, tell) if replanned else None
+    except _OutOfTimeError:
+        missed("replanned")
     risks = [
         Risk(_quantiles(makespans), None if anew is None else _quantiles(anew[place]))
         for place, makespans in enumerate(fixed)
@@ -158,7 +160,7 @@ class _OutOfTimeError(Exception):
 
 @dataclass(frozen=True)
 class _Clock:
-    """What `with_risk` asks for the time; it never is up without an `until`."""
+    """What is asked for the time; it never is up without an `until`."""
 
     until: float | None
     now: Callable[[], float]
@@ -167,9 +169,9 @@ class _Clock:
         """Whether so many are left."""
         return self.until is None or self.until - self.now() >= seconds
 
-    def check(self) -> None:
-        """Raises _OutOfTimeError when time is up."""
-        if not self.leaves(0.0):
+    def need(self, seconds: float = 0.0) -> None:
+        """Raises _OutOfTimeError where fewer are left."""
+        if not self.leaves(seconds):
             raise _OutOfTimeError
 
 
@@ -191,25 +193,23 @@ class _Floor:
         people = Person(*(np.stack([np.asarray(part)] * EPISODES) for part in compliant(arrays)))
         return cls(front, EpisodeBatch.of(names, arrays, draw, people, seed), seed)
 
-    def as_planned(self, clock: _Clock, size: int) -> list[Makespans] | None:
-        """Of each point the makespans in seconds, as many of `EPISODES` as there was time for in
-        parts of this size; None without a whole part.
+    def as_planned(self, clock: _Clock) -> list[Makespans]:
+        """Of each point the makespans in seconds, of as many of `EPISODES` as there was time for;
+        raises _OutOfTimeError as `_in_parts` does.
         """
         stage = self.stage
         plans = [Plan.of(stage.names, result.schedule) for result in self.front]
 
         def play(plan: Plan, part: slice) -> Makespans:
-            clock.check()
+            clock.need()
             factor = stage.scenarios.factor[part, :, 0]
             return carried_out(stage.arrays, plan, factor) / stage.names.per_second
 
-        return _in_parts(plans, EPISODES, size, play)
+        return _in_parts(plans, EPISODES, _part(self.front)[0], play)
 
-    def planned_anew(
-        self, clock: _Clock, tell: Callable[[str], None], missed: Callable[[str], None]
-    ) -> list[Makespans] | None:
-        """The same under a decider that follows the plan while it is good; None too when the cell
-        has a rule that cannot be kept live.
+    def planned_anew(self, clock: _Clock, tell: Callable[[str], None]) -> list[Makespans] | None:
+        """The same under a decider that follows the plan while it is good; None when the cell has a
+        rule that cannot be kept live.
         """
         front = self.front
         try:
@@ -218,28 +218,23 @@ class _Floor:
             return None
         count = DECISIONS // (2 * len(front.cell.tasks) * max(len(front), 1))
         count = min(MOST_REPLANNED, max(FEWEST_REPLANNED, count))
-        found = None
-        if clock.leaves(BEGINNING_ANEW_S + len(front) * WARMING_S):
-            tell("planning anew at every event")
-            deciders = [_decider(front, place, self.seed) for place in range(len(front))]
-            with settled_memory() as settle:
-                play = partial(self._play_anew, clock, settle)
-                found = _in_parts(deciders, count, FEWEST_REPLANNED, play)
-        if found is None:
-            missed("replanned")
-        return found
+        clock.need(BEGINNING_ANEW_S + len(front) * WARMING_S)
+        tell("planning anew at every event")
+        deciders = [_decider(front, place, self.seed) for place in range(len(front))]
+        clock.need(BEGINNING_ANEW_S)
+        with settled_memory() as settle:
 
-    def _play_anew(
-        self, clock: _Clock, settle: Callable[[], None], decider: Policy, part: slice
-    ) -> Makespans:
-        def between() -> None:
-            clock.check()
-            settle()
+            def between() -> None:
+                clock.need()
+                settle()
 
-        clock.check()
-        # of one size, also where the last part is smaller: nothing is compiled anew
-        some = self.stage.some(part.start, FEWEST_REPLANNED)
-        return some.play(decider, part.stop - part.start, between=between).makespan
+            def play(decider: Policy, part: slice) -> Makespans:
+                clock.need()
+                # of one size, also where the last part is smaller: nothing is compiled anew
+                some = self.stage.some(part.start, FEWEST_REPLANNED)
+                return some.play(decider, part.stop - part.start, between=between).makespan
+
+            return _in_parts(deciders, count, FEWEST_REPLANNED, play)
 
 
 def _decider(front: Front, place: int, seed: int) -> Policy:
@@ -252,9 +247,10 @@ def _decider(front: Front, place: int, seed: int) -> Policy:
 
 def _in_parts(
     points: Sequence[T], count: int, size: int, play: Callable[[T, slice], Makespans]
-) -> list[Makespans] | None:
+) -> list[Makespans]:
     """Of each point what `play` gives of the first `count` assemblies, part by part until it raises
-    _OutOfTimeError. What came of a part then counts for no point. None without a whole part.
+    _OutOfTimeError: what came of that part then counts for no point. Without a whole part it is
+    raised here, too.
     """
     found: list[list[Makespans]] = []
     for first in range(0, count, size):
@@ -262,8 +258,10 @@ def _in_parts(
         try:
             found.append([play(point, part) for point in points])
         except _OutOfTimeError:
+            if not found:
+                raise
             break
-    return [np.concatenate(mine) for mine in zip(*found, strict=True)] if found else None
+    return [np.concatenate(mine) for mine in zip(*found, strict=True)]
 
 
 def _quantiles(makespans: Makespans) -> Quantiles:
