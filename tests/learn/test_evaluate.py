@@ -73,6 +73,17 @@ def test_a_seed_that_is_not_there_is_named(run):
         evaluate(run, seed=9)
 
 
+def test_a_policy_in_its_run_is_judged_as_the_run_s_seed(run, tmp_path):
+    file = run / "policy-4.safetensors"
+    assert evaluate(file, episodes=5).to_dict() == evaluate(run, seed=4, episodes=5).to_dict()
+    with pytest.raises(UsageError, match="seed 3: chooses among a run's policies"):
+        evaluate(file, seed=3)
+    alone = tmp_path / "policy-4.safetensors"
+    alone.write_bytes(file.read_bytes())
+    with pytest.raises(UsageError, match="Name the run's folder, or the file in it"):
+        evaluate(alone, episodes=5)
+
+
 def test_the_gap_is_the_excess_of_what_is_paid():
     front = tandem.plan(tandem.load(tiny.CELL))
     paid = {"step": -10.0, "per_second": 1, "stress_factor": 5.0}
