@@ -113,6 +113,7 @@ def test_what_was_stopped_goes_on_to_the_same_bits(tmp_path: Path) -> None:
         train(replace(config, clip=0.1), tmp_path / "parts")
 
 
+@pytest.mark.slow
 def test_ablations_are_kept_and_no_number_of_processes_changes_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -123,12 +124,10 @@ def test_ablations_are_kept_and_no_number_of_processes_changes_them(
     (row,) = judged(tmp_path / "two", asked, 2, 2)
     assert (row["without"], row["seeds"]) == ("labels", 2)
     assert row["cpu_s"] > 0
-    alone = [
-        Job(asked[0], seed, tmp_path / f"alone-{seed}").done(graph_training.good())
-        for seed in (1, 2)
-    ]
-    for kind in ("greedy", "best of 16"):
-        assert row[kind]["gap"] == round(sum(one[kind] for one in alone) / 2, 2)
+    alone = Job(asked[0], 1, tmp_path / "alone").done(graph_training.good())
+    again = Job(asked[0], 1, tmp_path / "two" / "ppo-1").kept()
+    assert again is not None
+    assert again | {"cpu_s": 0} == alone | {"cpu_s": 0}
     # what is there is not trained again: nothing of it is needed any more
     for file in (tmp_path / "two").glob("*/state-*.npz"):
         file.unlink()

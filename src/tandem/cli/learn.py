@@ -439,10 +439,15 @@ def _show_cells(found: dict[str, Any], as_json: bool) -> None:
         document = {"schema_version": 1, "cells": cells, "mean_gap": means}
         click.echo(json.dumps(document, ensure_ascii=False))
         return
+    open_still = {name for name, one in found.items() if not (one.front and one.front.complete)}
     table = Table("gap to the exact optimum", *players)
     for name, row in [*gaps.items(), ("mean", means)]:
-        table.add_row(name, *(_share(row.get(player)) for player in players))
-    Console(highlight=False).print(table)
+        shares = (_share(row.get(player)) for player in players)
+        table.add_row(f"{name} *" if name in open_still else name, *shares)
+    console = Console(highlight=False)
+    console.print(table)
+    if open_still:
+        console.print("* its exact front is not proven complete; --front-limit gives it more time.")
 
 
 def _kind(line: Any) -> str:
