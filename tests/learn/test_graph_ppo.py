@@ -92,7 +92,7 @@ def test_the_objective_is_the_clipped_one() -> None:
 
 
 def test_a_short_training_is_better_than_none(tmp_path: Path) -> None:
-    assert held_out(train(SMALL, tmp_path)) < held_out(unpacked(FRESH)) - 0.05
+    assert held_out(train(SMALL, tmp_path)) < 0.8 * held_out(unpacked(FRESH))
 
 
 def test_what_was_stopped_goes_on_to_the_same_bits(tmp_path: Path) -> None:
