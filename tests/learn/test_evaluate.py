@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from tests.learn import tiny
 from tests.learn.short_runs import run_once
 
 import tandem
-from tandem.cli.learn import evaluate_command, train_command
+from tandem.cli.learn import _show_cells, evaluate_command, train_command
 from tandem.draw.curves import band, plot_curves
 from tandem.errors import CellError, UsageError
 from tandem.learn.results import relative_gap
@@ -71,6 +72,28 @@ def test_a_cell_with_another_number_of_tasks_is_refused_with_the_reason(run):
 def test_a_seed_that_is_not_there_is_named(run):
     with pytest.raises(UsageError, match="no policy of seed 9; there are 3, 4"):
         evaluate(run, seed=9)
+
+
+def test_a_policy_in_its_run_is_judged_as_the_run_s_seed(run, tmp_path):
+    file = run / "policy-4.safetensors"
+    assert evaluate(file, episodes=5).to_dict() == evaluate(run, seed=4, episodes=5).to_dict()
+    with pytest.raises(UsageError, match="seed 3: chooses among a run's policies"):
+        evaluate(file, seed=3)
+    alone = tmp_path / "policy-4.safetensors"
+    alone.write_bytes(file.read_bytes())
+    with pytest.raises(UsageError, match="Name the run's folder, or the file in it"):
+        evaluate(alone, episodes=5)
+
+
+def test_a_cell_whose_front_is_not_proven_says_so(run, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    found = evaluate(run, episodes=2)
+    _show_cells({"proven.json": found, "open.json": replace(found, front=None)}, False)
+    said = capsys.readouterr().out
+    assert "open.json *" in said
+    assert "proven.json *" not in said
+    assert "mean" in said
+    assert "--front-limit" in said
 
 
 def test_the_gap_is_the_excess_of_what_is_paid():

@@ -5,6 +5,7 @@ taken wherever a policy is.
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -134,6 +135,12 @@ def test_a_folder_is_trained_on_and_judged(
     assert command(asked) == 0
     document = json.loads(capsys.readouterr().out)
     assert [one["file"] for one in document["cells"]] == ["0.json", "1.json"]
+    # the file of its policy is judged alike, wherever it lies, but only on cells that are named
+    carried = str(shutil.copy(RunFolder(Path(folder)).policy(0), tmp_path / "carried.safetensors"))
+    assert command([asked[0], carried, *asked[2:]]) == 0
+    assert json.loads(capsys.readouterr().out) == document
+    assert command(["evaluate", carried]) == 2
+    assert f"tandem evaluate {carried} CELL|FOLDER" in capsys.readouterr().err
     gaps = [
         line["gap"]
         for one in document["cells"]
@@ -142,6 +149,28 @@ def test_a_folder_is_trained_on_and_judged(
     ]
     assert document["mean_gap"]["greedy"] == pytest.approx(sum(gaps) / 2)
     assert set(document["mean_gap"]) >= {"best of 4", "best rule", "random"}
+
+
+def test_what_is_wrong_with_a_folder_is_said_of_all_its_cells(
+    run: RunFolder, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a.json").write_text(json.dumps(layered(3, seed=0).to_dict()))
+    listed = next(
+        path for path in sorted(Path("examples").glob("*.yaml")) if tandem.load(path).stress_of_set
+    )
+    for name in ("b", "c"):
+        shutil.copy(listed, tmp_path / f"{name}.yaml")
+    asked = ["evaluate", str(run.policy(1)), str(tmp_path), "--episodes", "2", "--front-limit", "1"]
+    assert command(asked) == 3
+    said = capsys.readouterr().err
+    assert "b.yaml: the network for all cells needs a stress that adds up" in said
+    assert "c.yaml: the network" in said
+    for name in ("b", "c"):
+        (tmp_path / f"{name}.yaml").write_text("operators: {}\n")
+    assert command(asked) == 3
+    said = capsys.readouterr().err
+    assert "b.yaml" in said
+    assert "c.yaml" in said
 
 
 def test_what_is_no_such_network_is_refused(run: RunFolder, tmp_path: Path) -> None:

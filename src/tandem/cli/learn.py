@@ -6,21 +6,24 @@ import datetime
 import json
 import shlex
 import sys
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from tandem.cli.compiled import keep_compiled, needs_jax
 from tandem.cli.options import FORMAT, FRONT_LIMIT
 from tandem.cli.seeds import say_which_seed
-from tandem.errors import UsageError
+from tandem.errors import CellError, Fault, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.learn.algorithm import AnyRecipe
     from tandem.learn.training.trainer import TrainingProgress
+
+A, B = TypeVar("A"), TypeVar("B")
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 PICTURE = click.Path(dir_okay=False, path_type=Path)
@@ -207,7 +210,35 @@ def _cells_of(folder: Path, form: str | None = None) -> list[tuple[str, Cell]]:
     found = sorted(path for path in folder.iterdir() if path.suffix.lower() in CELL_FILES)
     if not found:
         raise UsageError(f"{folder}: holds no cell file ({', '.join(CELL_FILES)}).")
-    return [(path.name, load(str(path), form)) for path in found]
+    named = [(path.name, path) for path in found]
+    return list(_of_all(named, lambda path: load(str(path), form)).items())
+
+
+def _of_all(named: Sequence[tuple[str, A]], one: Callable[[A], B]) -> dict[str, B]:
+    """`one` of each file's.
+
+    Raises CellError, or UsageError, with what is wrong with all of them; each file is named.
+    """
+    found, faults, misfits = dict[str, B](), list[Fault](), dict[str, list[str]]()
+    for name, given in named:
+        try:
+            found[name] = one(given)
+        except CellError as error:
+            faults += [fault if fault.place else fault.at(name) for fault in error.faults]
+        except UsageError as error:
+            misfits.setdefault(str(error), []).append(name)
+    if faults:
+        others = (Fault(text, (), ", ".join(names)) for text, names in misfits.items())
+        raise CellError(dict.fromkeys([*faults, *others]))
+    if misfits:
+        raise UsageError(
+            "\n".join(
+                # what is wrong with all is no matter of the files
+                text if len(names) == len(named) else f"{', '.join(names)}: {text}"
+                for text, names in misfits.items()
+            )
+        )
+    return found
 
 
 def _notice(text: str) -> None:
@@ -292,8 +323,10 @@ def _show_training(document: dict[str, Any]) -> None:
 
 
 @click.command("evaluate")
-@click.argument("run", type=FOLDER)
-@click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
+@click.argument("learned", metavar="RUN|POLICY", type=click.Path(path_type=Path))
+@click.argument(
+    "cell_file", metavar="[CELL|FOLDER]", required=False, type=click.Path(allow_dash=True)
+)
 @click.option("--seed", type=int, help="Which of the run's seeds; its best when absent.")
 @click.option(
     "--episodes",
@@ -316,7 +349,7 @@ def _show_training(document: dict[str, Any]) -> None:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as one document.")
 def evaluate_command(
-    run: Path,
+    learned: Path,
     cell_file: str | None,
     seed: int | None,
     episodes: int,
@@ -326,13 +359,14 @@ def evaluate_command(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Play what RUN has learned, beside the exact front, the best dispatch rule and a random
-    player; on its own cell, on CELL, or on each cell of a folder.
+    """Play what a RUN has learned, or one POLICY's file, beside the exact front, the best dispatch
+    rule and a random player; on its own cell, on CELL, or on each cell of a FOLDER.
 
     \b
     Examples:
       tandem evaluate runs/my-run
       tandem evaluate runs/my-run cells/
+      tandem evaluate policy-0.safetensors cells/ --json
       tandem evaluate runs/my-run --gantt greedy.svg --curves training.svg
     """
     from tandem.draw.saving import save
@@ -342,13 +376,13 @@ def evaluate_command(
     from tandem.learn.training.evaluate import evaluate
 
     if seed is None and not as_json:  # the document has it
-        say_which_seed(str(run))
-    judge = partial(evaluate, run, seed=seed, episodes=episodes, front_limit=front_limit)
+        say_which_seed(str(learned))
+    judge = partial(evaluate, learned, seed=seed, episodes=episodes, front_limit=front_limit)
     if cell_file and Path(cell_file).is_dir():
         if gantt or curves or report:
             raise UsageError("--gantt, --curves and --report are of one cell; name its file.")
         cells = _cells_of(Path(cell_file))
-        _show_cells({name: judge(cell) for name, cell in cells}, as_json)
+        _show_cells(_of_all(cells, judge), as_json)
         return
     found = judge(load(cell_file) if cell_file else None)
     greedy = found.line("greedy")
@@ -365,10 +399,12 @@ def evaluate_command(
         from tandem.learn.training.pictures import plot_training
         from tandem.learn.training.runs import RunFolder
 
-        rows = RunFolder(run).figures()
+        if learned.is_file():
+            raise UsageError(f"--curves: {learned} has no figures; name the run's folder.")
+        rows = RunFolder(learned).figures()
         if not rows:
             raise UsageError(
-                f"--curves: {run} has no figures yet; they come with the first interval of the"
+                f"--curves: {learned} has no figures yet; they come with the first interval of the"
                 " training."
             )
         save(plot_training(rows), curves)
@@ -403,10 +439,15 @@ def _show_cells(found: dict[str, Any], as_json: bool) -> None:
         document = {"schema_version": 1, "cells": cells, "mean_gap": means}
         click.echo(json.dumps(document, ensure_ascii=False))
         return
+    open_still = {name for name, one in found.items() if not (one.front and one.front.complete)}
     table = Table("gap to the exact optimum", *players)
     for name, row in [*gaps.items(), ("mean", means)]:
-        table.add_row(name, *(_share(row.get(player)) for player in players))
-    Console(highlight=False).print(table)
+        shares = (_share(row.get(player)) for player in players)
+        table.add_row(f"{name} *" if name in open_still else name, *shares)
+    console = Console(highlight=False)
+    console.print(table)
+    if open_still:
+        console.print("* its exact front is not proven complete; --front-limit gives it more time.")
 
 
 def _kind(line: Any) -> str:

@@ -83,8 +83,9 @@ def batch(pool: Sequence[Sequence[Seen]], rng: np.random.Generator, cells: int) 
 
     Returns:
       of the cells `tasks`, `operators`, `pairs`, `before`, `step task`, `step share`, `step fixed`,
-      padded; of the choices `seen` `[R, FEATURES]`, `cell`, `row`, `decision` `[R]` and `loss`;
-      rows of padding belong to the decision behind the last.
+      padded; of the choices `seen` `[R, FEATURES]`, `cell`, `row`, `decision` `[R]`, and `loss`
+      `[R, ...]`, what the labels say of each; rows of padding belong to the decision behind the
+      last.
     """
     counts = np.array([len(one) for one in pool])
     size = int(rng.choice(len(pool), p=counts / counts.sum()))
@@ -95,7 +96,7 @@ def batch(pool: Sequence[Sequence[Seen]], rng: np.random.Generator, cells: int) 
         "seen": np.zeros((rows, FEATURES), np.float32),
         "cell": np.zeros(rows, np.int32),
         "row": np.zeros(rows, np.int32),
-        "loss": np.zeros(rows, np.float32),
+        "loss": np.zeros((rows, *drawn[0].label.losses.shape[1:]), np.float32),
         "decision": np.full(rows, cells * DECISIONS, np.int32),
     }
     begin = count = 0

@@ -4,6 +4,7 @@ none.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -11,9 +12,10 @@ from typing import Any, Literal
 import numpy as np
 
 from tandem.errors import UsageError
-from tandem.learn.forms import Form, unreadable
+from tandem.learn.forms import Form, parsed, unreadable
 from tandem.learn.graph.network import Weights
 from tandem.learn.graph.weights import packed, shipped, unpacked
+from tandem.learn.policy import Notes
 from tandem.learn.tensors import misfits, read_tensors, write_tensors
 
 KIND = "graph"
@@ -34,6 +36,14 @@ def save(path: Path, weights: Weights, notes: Mapping[str, Any]) -> None:
     arrays = {name: np.asarray(part) for name, part in packed(weights).items()}
     about = {"format": "tandem network 1", "network": KIND, "sizes": {}, "notes": dict(notes)}
     write_tensors(path, arrays, about)
+
+
+def notes_of(path: str | Path) -> Notes:
+    """Where the weights in the file come from, as far as it says so. Raises CellError when the file
+    cannot be read, or says what cannot be.
+    """
+    _, about = read_tensors(path, _About, "network")
+    return parsed(Path(path), json.dumps(about.notes), Notes, "is no network: notes")
 
 
 def weights_of(path: str | Path | None) -> Weights:

@@ -127,11 +127,10 @@ class _Run:
     @classmethod
     def begun(cls, config: Config, folder: Path, workers: int) -> _Run:
         """A run that has imitated decisions on nearly optimal ways."""
-        rng = np.random.default_rng(config.seed)
-        weights = packed(fresh(lambda shape: rng.uniform(-1, 1, shape).astype(np.float32)))
+        weights = untrained(config.seed)
         # a weight that starts at 0 under an input of 0 stays there
         weights["choice/0/weight"][list(config.blind)] = 0.0
-        run = cls(config, folder, workers, weights, _adam().init(weights), _empty())
+        run = cls(config, folder, workers, weights, adam().init(weights), _empty())
         known = unpacked(run.weights) if config.looks.own else None
         run.add(known, 0, config.first, config.first_large)
         run.learn(config.first_steps)
@@ -141,18 +140,11 @@ class _Run:
     @classmethod
     def resumed(cls, config: Config, folder: Path, workers: int) -> _Run | None:
         """The run in the folder; None where there is none."""
-        if not (folder / "run.json").exists():
+        kept = kept_run(folder, config)
+        if kept is None:
             return None
-        kept = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-        if kept["config"] != json.loads(json.dumps(asdict(config))):
-            raise UsageError(
-                f"{folder}: holds a run of another configuration; name another folder."
-            )
-        arrays = _loaded(folder / f"state-{kept['round']}.npz")
-        weights = {name[2:]: arrays[name] for name in arrays if name.startswith("w/")}
-        leaves, shape = jax.tree.flatten(_adam().init(weights))
-        adam = jax.tree.unflatten(shape, [arrays[f"a/{at}"] for at in range(len(leaves))])
-        run = cls(config, folder, workers, weights, adam, _empty(), kept["round"], kept["loss"])
+        weights, state = kept_state(folder / f"state-{kept['round']}.npz")
+        run = cls(config, folder, workers, weights, state, _empty(), kept["round"], kept["loss"])
         for at in range(kept["round"] + 1):
             for one in read(_loaded(folder / f"labels-{at}.npz")):
                 run.take(Seen.of(one, one.outlook()))
@@ -202,10 +194,7 @@ class _Run:
 
     def keep(self) -> None:
         """Writes the run into its folder."""
-        leaves = jax.tree.leaves(self.adam)
-        arrays = {f"w/{name}": part for name, part in self.weights.items()}
-        arrays |= {f"a/{at}": np.asarray(part) for at, part in enumerate(leaves)}
-        _write(self.folder / f"state-{self.round}.npz", arrays)
+        keep_state(self.folder / f"state-{self.round}.npz", self.weights, self.adam)
         document = {"config": asdict(self.config), "round": self.round, "loss": self.loss}
         store(self.folder / "run.json", json.dumps(document))
 
@@ -216,6 +205,43 @@ class _Run:
 
 def _empty() -> list[list[Seen]]:
     return [[] for _ in SIZES]
+
+
+def untrained(seed: int) -> Leaves:
+    """The weights that a training with this seed begins with; they prefer nothing."""
+    rng = np.random.default_rng(seed)
+    return packed(fresh(lambda shape: rng.uniform(-1, 1, shape).astype(np.float32)))
+
+
+def kept_run(folder: Path, config: Any) -> dict[str, Any] | None:
+    """What `run.json` says of the run in the folder; None where there is none.
+
+    Args:
+      config: a dataclass, what was asked.
+
+    Raises UsageError when the folder holds a run of another configuration.
+    """
+    if not (folder / "run.json").exists():
+        return None
+    kept: dict[str, Any] = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    if kept["config"] != json.loads(json.dumps(asdict(config))):
+        raise UsageError(f"{folder}: holds a run of another configuration; name another folder.")
+    return kept
+
+
+def keep_state(path: Path, weights: Leaves, state: Any) -> None:
+    """One file with the weights and the optimiser's state."""
+    arrays = {f"w/{name}": part for name, part in weights.items()}
+    arrays |= {f"a/{at}": np.asarray(part) for at, part in enumerate(jax.tree.leaves(state))}
+    _write(path, arrays)
+
+
+def kept_state(path: Path) -> tuple[Leaves, Any]:
+    """The inverse of `keep_state`."""
+    arrays = _loaded(path)
+    weights = {name[2:]: arrays[name] for name in arrays if name.startswith("w/")}
+    leaves, shape = jax.tree.flatten(adam().init(weights))
+    return weights, jax.tree.unflatten(shape, [arrays[f"a/{at}"] for at in range(len(leaves))])
 
 
 def _write(path: Path, arrays: dict[str, Any]) -> None:
@@ -229,19 +255,26 @@ def _loaded(path: Path) -> dict[str, Any]:
         return {name: file[name] for name in file.files}
 
 
-def _adam() -> optax.GradientTransformation:
+def adam() -> optax.GradientTransformation:
+    """The optimiser, but for its rate."""
     return optax.chain(optax.clip_by_global_norm(1.0), optax.scale_by_adam())
 
 
 @cache
 def _step(cells: int, sharp: float) -> Any:
-    adam = _adam()
-    count = cells * DECISIONS
+    return stepping(partial(_loss, count=cells * DECISIONS, sharp=sharp))
+
+
+def stepping(loss_of: Callable[[Leaves, Leaves], Any]) -> Any:
+    """A step of the optimiser, compiled: `(weights, state, drawn, rate)` to the next weights and
+    state, and the loss of these weights on what was drawn (see `batch`).
+    """
+    optimiser = adam()
 
     @jax.jit
     def step(weights: Leaves, state: Any, drawn: Leaves, rate: float) -> Any:
-        loss, gradient = jax.value_and_grad(_loss)(weights, drawn, count, sharp)
-        change, state = adam.update(gradient, state, weights)
+        loss, gradient = jax.value_and_grad(loss_of)(weights, drawn)
+        change, state = optimiser.update(gradient, state, weights)
         moved = {name: part - rate * change[name] for name, part in weights.items()}
         return moved, state, loss
 
@@ -250,6 +283,16 @@ def _step(cells: int, sharp: float) -> Any:
 
 def _loss(leaves: Leaves, drawn: Leaves, count: int, sharp: float) -> Any:
     """Cross-entropy of the choices with what they should be drawn with, per decision."""
+    targets = wanted(drawn["loss"], drawn["decision"], count, sharp)
+    return -per_decision(targets * likely(leaves, drawn, count), drawn["decision"], count)
+
+
+def likely(leaves: Leaves, drawn: Leaves, count: int) -> Any:
+    """`[R]`: the logarithm of the chance that each choice has among those of its decision.
+
+    Args:
+      drawn: see `batch`, of `count` decisions at most.
+    """
     weights = unpacked(leaves)
 
     def of_cell(cell: Leaves) -> Any:
@@ -265,11 +308,14 @@ def _loss(leaves: Leaves, drawn: Leaves, count: int, sharp: float) -> Any:
     own = task[drawn["cell"], drawn["step task"][at]]
     steps = lasting(jnp, weights, own, group[at], drawn["step fixed"][at])
     logits = scores(jnp, weights, drawn["seen"], steps)
-    targets = wanted(drawn["loss"], drawn["decision"], count, sharp)
-    likely = _log_softmax(logits, drawn["decision"], count)
-    real = drawn["decision"] < count
-    decisions = jnp.max(jnp.where(real, drawn["decision"], 0)) + 1
-    return -jnp.where(real, targets * likely, 0.0).sum() / decisions
+    return _log_softmax(logits, drawn["decision"], count)
+
+
+def per_decision(values: Any, decision: Any, count: int) -> Any:
+    """The sum of `[R]` values over all choices, padding left out, divided by the decisions."""
+    real = decision < count
+    decisions = jnp.max(jnp.where(real, decision, 0)) + 1
+    return jnp.where(real, values, 0.0).sum() / decisions
 
 
 def wanted(losses: Any, decision: Any, count: int, sharp: float) -> Any:

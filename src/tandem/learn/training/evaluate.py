@@ -12,11 +12,15 @@ import numpy as np
 
 from tandem.cell.model import Cell, plain
 from tandem.errors import NothingFoundError, UsageError
+from tandem.learn.algorithm import TrainingOrder
 from tandem.learn.baseline import best_rule
 from tandem.learn.episodes import at_random
+from tandem.learn.forms import unreadable
+from tandem.learn.graph.recipes import GRAPH
+from tandem.learn.graph.trained import KIND, notes_of
 from tandem.learn.results import Reached, cost, dominating, relative_gap
-from tandem.learn.training.algorithms import trainee
-from tandem.learn.training.runs import RunFolder, asked_cell
+from tandem.learn.training.algorithms import origin_of, trainee
+from tandem.learn.training.runs import RunFolder
 from tandem.learn.training.trainer import order_of
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
@@ -81,8 +85,8 @@ class Line:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A run's players on a cell, and the exact front that they are held against (None when the
-    planner found none in time).
+    """The players of what was learned on a cell, and the exact front that they are held against
+    (None when the planner found none in time).
     """
 
     cell: Cell
@@ -115,7 +119,7 @@ class Evaluation:
 
 
 def evaluate(
-    folder: str | Path,
+    learned: str | Path,
     cell: Cell | None = None,
     *,
     seed: int | None = None,
@@ -126,29 +130,25 @@ def evaluate(
     dispatch rules beside it.
 
     Args:
-      cell: another cell than the run's own; for PPO it needs the same shape.
-      seed: which policy; the run's best when absent (`RunFolder.best_seed`). It also seeds the
-        draws.
+      learned: a run's folder, or the file of a policy: one that lies in its run, or the network for
+        all cells wherever it lies.
+      cell: another cell than the run's own; for PPO it needs the same shape. A file outside of its
+        run needs one.
+      seed: which policy of a folder; the run's best when absent (`RunFolder.best_seed`). It also
+        seeds the draws.
       episodes: of the sampled and the random player.
       front_limit: seconds for the exact front.
 
     Raises:
-      CellError: the folder holds no run, or the algorithm cannot hold the cell.
-      UsageError: no such seed, or the policy does not fit the cell.
+      CellError: the folder holds no run, the file no policy, or the algorithm cannot hold the cell.
+      UsageError: no such seed, no cell, or the policy does not fit the cell.
     """
-    run = RunFolder(Path(folder))
-    asked = run.asked()
-    if seed is None:
-        seed = run.best_seed() if run.seeds else asked.seeds[0]
-    if seed not in run.seeds:
-        raise UsageError(
-            f"{folder}: has no policy of seed {seed}; there are"
-            f" {', '.join(map(str, run.seeds)) or 'none yet'}."
-        )
-    plays_on, order = cell or asked_cell(run, asked), order_of(run)
-    learner = trainee(order.recipe.algorithm)
-    front, costs = exact_front(plays_on, front_limit), learner.costs(plays_on, order)
-    found = learner.players(run.policy(seed), plays_on, order, seed=seed, episodes=episodes)
+    policy, seed, order = _asked(Path(learned), seed, cell)
+    plays_on, learner = cell or order.cell, trainee(order.recipe.algorithm)
+    costs = learner.costs(plays_on, order)
+    found = learner.players(policy, plays_on, order, seed=seed, episodes=episodes)
+    # last, for it takes longest: what does not fit is said before
+    front = exact_front(plays_on, front_limit)
     found["random"] = at_random(plays_on, order.stress_factor, seed=seed, episodes=episodes)
     lines = [line_of(plays_on, front, costs, player, reached) for player, reached in found.items()]
     rule = _best_rule(plays_on, front, costs)
@@ -159,6 +159,50 @@ def evaluate(
         order.stress_factor,
         seed,
     )
+
+
+def _asked(learned: Path, seed: int | None, cell: Cell | None) -> tuple[Path, int, TrainingOrder]:
+    """The policy's file, its seed, and what was asked when it was trained."""
+    if not learned.is_file():
+        run, order = RunFolder(learned), order_of(RunFolder(learned))
+        if seed is None:
+            seed = run.best_seed() if run.seeds else order.seeds[0]
+        if seed not in run.seeds:
+            raise UsageError(
+                f"{learned}: has no policy of seed {seed}; there are"
+                f" {', '.join(map(str, run.seeds)) or 'none yet'}."
+            )
+        return run.policy(seed), seed, order
+    if seed is not None:
+        raise UsageError(f"seed {seed}: chooses among a run's policies; {learned} is one of them.")
+    run = RunFolder(learned.parent)
+    if (run.path / "run.json").exists():
+        for own in run.seeds:
+            if run.policy(own).samefile(learned):
+                return learned, own, order_of(run)
+    return _alone(learned, cell)
+
+
+def _alone(file: Path, cell: Cell | None) -> tuple[Path, int, TrainingOrder]:
+    """The same of a policy outside of its run: as much as the file itself says."""
+    algorithm, recipe = origin_of(file)
+    if algorithm != KIND:
+        raise UsageError(
+            f"{file}: was trained by the recipe {recipe or algorithm!r}, whose policies are judged"
+            " with the settings of their run, and here is none. Name the run's folder, or the file"
+            " in it."
+        )
+    if cell is None:
+        raise UsageError(
+            f"{file}: holds no cell of its own. Name what to judge it on: tandem evaluate"
+            f" {file} CELL|FOLDER"
+        )
+    notes = notes_of(file)
+    try:
+        order = TrainingOrder(cell, GRAPH, recipe or KIND, (notes.seed,), notes.stress_factor)
+    except UsageError as error:
+        raise unreadable(file, [f"is no network: {error}"]) from None
+    return file, notes.seed, order
 
 
 def line_of(
