@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from tandem.learn.algorithm import AnyRecipe
     from tandem.learn.training.trainer import TrainingProgress
 
-A, B = TypeVar("A"), TypeVar("B")
+A = TypeVar("A")
+B = TypeVar("B")
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 PICTURE = click.Path(dir_okay=False, path_type=Path)
