@@ -9,7 +9,7 @@ from math import ceil, inf
 from random import Random
 
 from tandem.plan import insertion
-from tandem.plan.insertion import Insertion
+from tandem.plan.insertion import LEVEL_VISITS, Insertion
 from tandem.plan.list_scheduling import by_start
 from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
@@ -29,6 +29,8 @@ FIRST_VISITS, MOST_VISITS = 50_000, 1_000_000
 """So many between two looks at what the others found: few at first, when much is found."""
 VAIN_VISITS = 2e7
 """Without an improvement for so many, stretches have their turn."""
+REST_S = 0.02
+"""Seconds between two looks at whether there is something to polish."""
 VAIN_STRETCHES = 20
 """Without an improvement for so many stretches, insertion has its turn."""
 EASY_WORK = STRETCH_WORK / 2
@@ -72,6 +74,21 @@ class Improver:
             else:
                 self._plan_stretches(sizes, most=1)
                 search = self._insertion()
+
+    def polish(self) -> None:
+        """Inserts until that is in vain at one level of warmth, and again behind each schedule that
+        others find; the rest of the time the core is theirs.
+        """
+        if not self.race.await_incumbent():
+            return
+        await_loading(self.race)
+        while (search := self._insertion()) is None and not self.race.over:
+            threading.Event().wait(REST_S)
+        while search is not None and not self.race.over:
+            self._insert(search, LEVEL_VISITS)
+            known = self.race.value
+            while self.race.value == known and not self.race.over:
+                threading.Event().wait(REST_S)
 
     def run_once(self, patience: float = inf, work: float = inf) -> None:
         """The same in one thread, with so much work for each of both, by counts alone."""

@@ -20,8 +20,10 @@ all cores improve.
 """
 LARGE_JOB_SHOP = 200
 """The same where tasks have little choice: a plain model finds there what improvers do not."""
-LITTLE_CHOICE = 1.5
-"""Ways of a task, on the mean, that are little choice."""
+LITTLE_CHOICE, MACHINES = 1.5, 10
+"""Ways of a task, on the mean, that are little choice; and operators at least of what is called a
+job shop then. With fewer the load decides, and rows that say so.
+"""
 RELAXABLE = 1000
 """Beyond so many tasks the relaxation is left out: to state it takes seconds in which nobody can be
 interrupted, and the prices of the operators' time, which are known by then, give the same bound.
@@ -62,7 +64,11 @@ class Portfolio(Race):
         workers, seed = self.effort.workers, self.effort.seed
         if self.is_small:
             return [partial(self.prover.prove, workers, seed)]
-        improvers = [Improver(self, Random(f"{seed} {i}")).run for i in range(max(1, workers // 2))]
+        helpers = [Improver(self, Random(f"{seed} {i}")) for i in range(max(1, workers // 2))]
+        if self._is_job_shop:
+            polishers = [helper.polish for helper in helpers]
+            return [*polishers, partial(self.prover.search, workers, seed)]
+        improvers = [helper.run for helper in helpers]
         if not self._is_large:
             # where nothing inserts, one search more than cores: unlike ones help each other
             provers = workers if inserts(self) else workers + 1
@@ -95,9 +101,21 @@ class Portfolio(Race):
     @property
     def _is_large(self) -> bool:
         """Too large for a proof of the whole."""
-        tasks = len(self.instance.tasks)
+        return len(self.instance.tasks) >= (LARGE_JOB_SHOP if self._has_little_choice else LARGE)
+
+    @property
+    def _has_little_choice(self) -> bool:
         ways = sum(map(len, self.instance.ways))
-        return tasks >= (LARGE_JOB_SHOP if ways <= LITTLE_CHOICE * tasks else LARGE)
+        return ways <= LITTLE_CHOICE * len(self.instance.tasks)
+
+    @property
+    def _is_job_shop(self) -> bool:
+        """The order on many machines is nearly all there is to choose, and CP-SAT's own search is
+        the best at that.
+        """
+        is_open = self._has_little_choice and len(self.instance.operators) >= MACHINES
+        is_plain = not (self.is_fine or self.effort.from_below)
+        return is_open and is_plain and inserts(self) and not self._is_large
 
     @property
     def _is_relaxable(self) -> bool:

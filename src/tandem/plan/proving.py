@@ -99,6 +99,12 @@ class CpSat:
             turn *= 2
         return None
 
+    def search(self, workers: int, seed: int) -> None:
+        """CP-SAT on the whole cell, all `workers` in the plain model: at first without the
+        incumbent as a hint, for what rules leave of a job shop is a poor place to search around.
+        """
+        self._prove(False, workers, seed, None, is_hinted=False)
+
     def _now_and_then(self, seed: int) -> None:
         """The implied rows beside a plain model: each time with twice the work, after a rest."""
         work = ROWS_WORK
@@ -110,8 +116,12 @@ class CpSat:
                 threading.Event().wait(0.02)
             work *= 2
 
-    def _prove(self, below: bool, workers: int, seed: int, work: float | None) -> None:
-        """One of the models, begun again whenever the incumbent has moved away from under it."""
+    def _prove(
+        self, below: bool, workers: int, seed: int, work: float | None, is_hinted: bool = True
+    ) -> None:
+        """One of the models, begun again whenever the incumbent has moved away from under it; then
+        that is a hint even if it was not at first.
+        """
         # where ticks are fine one model does it all
         rules = self.race.rules if below or self.race.is_fine else self._plain
         is_at_once = len(self.instance.tasks) <= PROVED_AT_ONCE
@@ -120,6 +130,8 @@ class CpSat:
             with self.race.lock:
                 incumbent, cut = self.race.best, self.race.value
             plan = self._model(rules, incumbent, below)
+            if not is_hinted:
+                plan.model.clear_hints()  # type: ignore[no-untyped-call]
             solver = self._solver(workers, seed, work)
             watcher = _Watcher(self.race, solver, plan, cut, patience)
             solver.best_bound_callback = watcher.on_bound
@@ -135,7 +147,7 @@ class CpSat:
                 return None if value is None else self.race.raise_bound(value, Prover.CP_SAT)
             if not watcher.outdated or work is not None:
                 return None
-            patience *= 2
+            patience, is_hinted = 2 * patience, True
         return None
 
     @property
