@@ -18,6 +18,7 @@ from tandem.plan.list_scheduling import Layout
 from tandem.plan.methods import plan
 from tandem.plan.portfolio import Portfolio
 from tandem.plan.question import Question
+from tandem.plan.result import Status
 from tandem.plan.starts import list_schedule
 
 Asked = list[tuple[bool, bool, int]]
@@ -91,17 +92,14 @@ def race_for(cell: Cell) -> Portfolio:
     return Portfolio(door, Layout.of(instance), Goal(1, 0), effort, None, 0)
 
 
-@pytest.mark.parametrize(
-    ("tasks", "who", "proven"), [(160, 1, True), (160, 2, False), (140, 2, True), (200, 1, False)]
-)
-def test_job_shops_are_proven_whole_up_to_more_tasks(tasks, who, proven):
-    """Ten jobs on ten machines, each task on one machine or on either of two."""
+def shop_of(tasks: int, who: int) -> Cell:
+    """So many tasks of ten jobs on ten machines, each on so many of them."""
     machines = [f"m{number}" for number in range(10)]
     times = [
-        {machines[(step + other) % 10]: 5 + step % 7 for other in range(who)}
+        {machines[(3 * step + step // 10 + other) % 10]: 5 + step % 7 for other in range(who)}
         for step in range(tasks)
     ]
-    shop = cell_of(
+    return cell_of(
         {
             "operators": {name: {"kind": "machine"} for name in machines},
             "tasks": {
@@ -110,8 +108,25 @@ def test_job_shops_are_proven_whole_up_to_more_tasks(tasks, who, proven):
             },
         }
     )
-    jobs = [job.func for job in race_for(shop).jobs() if isinstance(job, partial)]
-    assert any(job.__name__ == "_prove_later" for job in jobs) == proven
+
+
+@pytest.mark.parametrize(
+    ("tasks", "who", "by"),
+    [(160, 1, "search"), (160, 2, None), (140, 2, "_prove_later"), (200, 1, None)],
+)
+def test_job_shops_are_proven_whole_up_to_more_tasks(tasks, who, by):
+    """Where each task is on one machine all cores search with CP-SAT, on either of two one does."""
+    jobs = [job.func for job in race_for(shop_of(tasks, who)).jobs() if isinstance(job, partial)]
+    names = {job.__name__ for job in jobs}
+    assert names & {"search", "_prove_later"} == ({by} if by else set())
+
+
+def test_a_job_shop_is_proven_by_all_cores_as_by_one():
+    shop = shop_of(60, 1)
+    (together,) = plan(shop, minimize="makespan", workers=2, time_limit=120)
+    (alone,) = plan(shop, minimize="makespan", workers=1, time_limit=120)
+    assert together.status == alone.status == Status.OPTIMAL
+    assert together.makespan == alone.makespan
 
 
 @pytest.mark.parametrize("workers", [1, 2])
