@@ -7,7 +7,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from math import ceil
+from math import ceil, inf
 from time import monotonic, thread_time
 from typing import Any
 
@@ -100,10 +100,11 @@ class CpSat:
         return None
 
     def search(self, workers: int, seed: int) -> None:
-        """CP-SAT on the whole cell, all `workers` in the plain model: at first without the
-        incumbent as a hint, for what rules leave of a job shop is a poor place to search around.
+        """CP-SAT on the whole cell, all `workers` in the plain model, from its own first schedule
+        to the end. In a job shop an incumbent as a hint, and to begin again from a better one, held
+        its neighbourhoods back.
         """
-        self._prove(False, workers, seed, None, is_hinted=False)
+        self._prove(False, workers, seed, None, is_apart=True)
 
     def _now_and_then(self, seed: int) -> None:
         """The implied rows beside a plain model: each time with twice the work, after a rest."""
@@ -117,20 +118,22 @@ class CpSat:
             work *= 2
 
     def _prove(
-        self, below: bool, workers: int, seed: int, work: float | None, is_hinted: bool = True
+        self, below: bool, workers: int, seed: int, work: float | None, is_apart: bool = False
     ) -> None:
-        """One of the models, begun again whenever the incumbent has moved away from under it; then
-        that is a hint even if it was not at first.
+        """One of the models, begun again whenever the incumbent has moved away from under it. What
+        is set apart takes no hint and is never begun again.
         """
         # where ticks are fine one model does it all
         rules = self.race.rules if below or self.race.is_fine else self._plain
         is_at_once = len(self.instance.tasks) <= PROVED_AT_ONCE
         patience = PATIENT_AT_ONCE_S if is_at_once else PATIENT_S
+        if is_apart:
+            patience = inf
         while not self.race.over:
             with self.race.lock:
                 incumbent, cut = self.race.best, self.race.value
             plan = self._model(rules, incumbent, below)
-            if not is_hinted:
+            if is_apart:
                 plan.model.clear_hints()  # type: ignore[no-untyped-call]
             solver = self._solver(workers, seed, work)
             watcher = _Watcher(self.race, solver, plan, cut, patience)
@@ -147,7 +150,7 @@ class CpSat:
                 return None if value is None else self.race.raise_bound(value, Prover.CP_SAT)
             if not watcher.outdated or work is not None:
                 return None
-            patience, is_hinted = 2 * patience, True
+            patience *= 2
         return None
 
     @property
