@@ -295,7 +295,7 @@ def test_options_that_are_wrong_are_refused_with_the_remedy(server, options, say
 
 def test_the_risk_of_each_point_is_told_when_it_is_asked(server):
     pytest.importorskip("jax", reason="pip install 'tandem[learn]'")
-    answer = server.ask("POST", "/api/plan", {"options": {"cv": 0.2, "robust": True}})
+    answer = server.ask("POST", "/api/plan", {"options": {"cv": 0.2, "robust": True, "work": 1}})
     assert answer.json["recommended_by"] == "p95"
     assert all(point["risk"]["fixed"]["p95"] > point["makespan"] for point in answer.json["front"])
 
