@@ -12,6 +12,7 @@ import openpyxl
 import pytest
 from openpyxl.cell.rich_text import CellRichText, TextBlock
 from openpyxl.cell.text import InlineFont
+from openpyxl.comments import Comment
 from openpyxl.styles import Font
 from tests.files.spreadsheet.books import sheet
 
@@ -87,6 +88,12 @@ def test_work_that_is_called_almost_so_stays_work(tmp_path: Path) -> None:
     assert list(cell.tasks) == ["Idle time", "o", "Overall inspection", "Balance", "Takt time"]
 
 
+def test_work_with_a_number_of_its_own_is_no_figure(tmp_path: Path) -> None:
+    rows = [TIMES, *WORK, [3, "Idle time", 5, None, 2]]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert list(cell.tasks) == ["1", "2", "3"]
+
+
 # --- one operator under several conditions --------------------------------------------------------
 
 
@@ -145,7 +152,10 @@ def test_a_time_of_many_or_of_another_thing_is_asked_about(header: str, tmp_path
     assert cell.tasks["a"].time == {"human": 8}
 
 
-@pytest.mark.parametrize("header", ["Time human [s] per task", "Zeit pro Vorgang Mensch [s]"])
+@pytest.mark.parametrize(
+    "header",
+    ["Time human [s] per task", "Zeit pro Vorgang Mensch [s]", "Time human per assembly [s]"],
+)
 def test_a_time_of_a_task_is_what_it_is(header: str, tmp_path: Path) -> None:
     rows = [["Task", header], ["a", 8]]
     assert len(import_cell(sheet(tmp_path / "plan.xlsx", rows))[0].tasks) == 1
@@ -283,6 +293,18 @@ def test_runs_of_a_text_are_not_read_in_one(tmp_path: Path) -> None:
         ("C2", "holds '1012', of which '10' is struck through: leave only what counts."),
         ("C3", "holds '101', of which '1' is a raised mark: leave only the number."),
     ]
+
+
+def test_comments_at_the_cells_that_are_read_are_told(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    for row in ([*TIMES, "Colour"], *WORK):
+        book.active.append(row)
+    book.active["C3"].comment = Comment("in minutes!", "somebody")
+    book.active["F3"].comment = Comment("blue", "somebody")
+    book.save(tmp_path / "plan.xlsx")
+    _, notes = import_cell(tmp_path / "plan.xlsx")
+    told = [note.message for note in notes if "comments" in note.message]
+    assert told == ["comments at cells were not read: C3 'in minutes!'."]
 
 
 # --- text files of other machines -----------------------------------------------------------------

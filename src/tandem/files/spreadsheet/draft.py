@@ -512,7 +512,28 @@ def _who_can(task: Mapping[str, Any]) -> set[str]:
     }
 
 
+MOST_REMARKS, LONGEST_REMARK = 10, 60
+"""Of the comments at cells, so many are told, each so far."""
+
+
+def _comments(table: Table, findings: Findings) -> None:
+    """Says which cells that are read have comments: "in minutes!" is for people to mind."""
+    read = {c.index for c in table.columns if c.meaning and c.meaning.what != "ignore"}
+    said = [
+        say("comment", cell=table.grid.place(row, column).rpartition("!")[2], text=repr(short))
+        for (row, column), text in sorted(table.grid.comments.items())
+        if row >= table.header_row and column in read and (short := text[:LONGEST_REMARK])
+    ]
+    if said:
+        findings.note(
+            "assumed",
+            say("comments", cells=enumerated(said, MOST_REMARKS)),
+            table.grid.place(table.header_row, 0),
+        )
+
+
 def _more_notes(book: Book, table: Table, findings: Findings) -> None:
+    _comments(table, findings)
     if findings.rounded:
         findings.note("assumed", say("rounded", cells=enumerated(findings.rounded, 20)))
     hidden = [

@@ -34,12 +34,14 @@ class Sight:
       words: of numbers -> what their format writes beside them, "min" or "%".
       durations: of numbers that are shown to the second -> what is shown, "0:01:30".
       merged: areas `(top, left, bottom, right)`; of ods only.
+      comments: cells -> what somebody remarked there; of xlsx only.
     """
 
     odd: dict[tuple[int, int], str] = field(default_factory=dict)
     words: dict[tuple[int, int], str] = field(default_factory=dict)
     durations: dict[tuple[int, int], str] = field(default_factory=dict)
     merged: list[tuple[int, int, int, int]] = field(default_factory=list)
+    comments: dict[tuple[int, int], str] = field(default_factory=dict)
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
 
@@ -60,6 +62,7 @@ def look(content: bytes) -> tuple[dict[str, Sight], bool]:
                 if part in names:
                     with archive.open(part) as stream:
                         sights[sheet] = _xlsx(stream, formats, marks)
+                    sights[sheet].comments = _comments(archive, part, names)
             return sights, True
         except (ElementTree.ParseError, KeyError, zipfile.BadZipFile):
             return {}, False
@@ -118,6 +121,23 @@ def _relations(archive: zipfile.ZipFile, part: str, folder: str) -> Iterator[tup
         yield element.attrib.get("Type", ""), element.attrib.get("Id", ""), whole
 
 
+def _comments(archive: zipfile.ZipFile, sheet: str, names: set[str]) -> dict[tuple[int, int], str]:
+    """Cell -> its remark, that of a conversation included, which Excel writes a second time so."""
+    folder, name = posixpath.split(sheet)
+    links = f"{folder}/_rels/{name}.rels"
+    found: dict[tuple[int, int], str] = {}
+    for kind, _, part in _relations(archive, links, folder) if links in names else ():
+        if not kind.endswith("/comments") or part not in names:
+            continue
+        for remark in ElementTree.fromstring(archive.read(part)).iter():
+            at = re.fullmatch(r"([A-Z]{1,3})(\d{1,7})", remark.attrib.get("ref", ""))
+            if _tag(remark) == "comment" and at:
+                text = "".join(piece.text or "" for piece in remark.iter() if _tag(piece) == "t")
+                said = " ".join(text.rpartition("Comment:\n")[2].split())
+                found[int(at[2]) - 1, _column(at[1], 0)] = said
+    return found
+
+
 def _formats(archive: zipfile.ZipFile) -> dict[str, str]:
     """Number of a cell's style -> its number format, for those that are not the plain one."""
     part = next(
@@ -141,15 +161,15 @@ def _formats(archive: zipfile.ZipFile) -> dict[str, str]:
 
 
 @dataclass(frozen=True)
-class Marks:
+class Struck:
     """What a person sees of texts and their fonts, and a reader of values does not.
 
     Attributes:
-      struck: styles of cells that are struck through.
+      styles: of cells that are struck through.
       texts: number of a shared text -> what is odd about it.
     """
 
-    struck: frozenset[str]
+    styles: frozenset[str]
     texts: Mapping[str, str]
 
     def odd(self, cell: ElementTree.Element) -> str | None:
@@ -158,14 +178,14 @@ class Marks:
         value = inside["v"].text if "v" in inside else None
         if not value and "is" not in inside:
             return None
-        if cell.attrib.get("s", "") in self.struck:
+        if cell.attrib.get("s", "") in self.styles:
             return STRUCK
         if "is" in inside:
             return _odd_text(inside["is"])
         return self.texts.get(value or "") if cell.attrib.get("t") == "s" else None
 
 
-def _marks(archive: zipfile.ZipFile) -> Marks:
+def _marks(archive: zipfile.ZipFile) -> Struck:
     parts = {kind.rpartition("/")[2]: part for kind, _, part in _book_parts(archive)[1]}
     names = set(archive.namelist())
     struck: frozenset[str] = frozenset()
@@ -177,7 +197,7 @@ def _marks(archive: zipfile.ZipFile) -> Marks:
         if b"strike" in read or b"superscript" in read:
             items = (item for item in ElementTree.fromstring(read) if _tag(item) == "si")
             texts = {str(n): why for n, item in enumerate(items) if (why := _odd_text(item))}
-    return Marks(struck, texts)
+    return Struck(struck, texts)
 
 
 def _struck_styles(root: ElementTree.Element) -> Iterator[str]:
@@ -226,7 +246,7 @@ def _odd_text(text: ElementTree.Element) -> str | None:
     return None
 
 
-def _xlsx(stream: IO[bytes], formats: Mapping[str, str], marks: Marks) -> Sight:
+def _xlsx(stream: IO[bytes], formats: Mapping[str, str], marks: Struck) -> Sight:
     sight = Sight()
     hidden_rows: set[int] = set()
     hidden_columns: set[int] = set()

@@ -12,7 +12,7 @@ from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import Table
 from tandem.files.spreadsheet.said import Said, enumerated, say
-from tandem.files.spreadsheet.values import Marks, UnreadableError, cannot, number
+from tandem.files.spreadsheet.values import Marks, UnreadableError, cannot, is_number, number
 from tandem.files.spreadsheet.vocabulary import FIGURES, FIGURES_OF, TOTALS
 
 ANY_MARK = Marks(".", grouped=True)
@@ -123,11 +123,15 @@ def _key_figures(table: Table) -> dict[int, Said]:
     found: dict[int, Said] = {}
     for row in reversed(range(table.first_row, len(table.grid.rows))):
         text = _first_text(table, row)
-        if _is_a_figure(text):
+        if _is_a_figure(text) and not _is_numbered(table, row):
             found[row] = say("why.figure", text=repr(text))
         elif _has_a_time(table, row) and not is_total(text) and not TOTAL_WORDS.search(text):
             break
     return found
+
+
+def _is_numbered(table: Table, row: int) -> bool:
+    return any(is_number(table.grid.value(row, c.index)) for c in table.having("number"))
 
 
 def _is_a_figure(text: str) -> bool:

@@ -31,8 +31,9 @@ UNIT_COLUMN = re.compile(
 
 
 PER_SOMETHING = re.compile(
-    r"\b(?:per|je|pro)\b\s*\d*\s*(?!(?:task|vorgang|arbeitsgang|operation|step|schritt|activity|element|person"
-    r"|worker|werker|operator|bediener|mitarbeiter|human|mensch|robot|roboter|cobot)s?\b)[^\W\d_]{2,}",
+    r"\b(?:per|je|pro)\b\s*(?:\d+\s*[^\W\d_]{2,}|(?!(?:task|vorgang|arbeitsgang|operation|step|schritt"
+    r"|activity|element|person|worker|werker|operator|bediener|mitarbeiter|human|mensch|robot|roboter"
+    r"|cobot|product|produkt|assembly|baugruppe|workpiece|werkst(?:ü|ue)ck|station)s?\b)[^\W\d_]{2,})",
     re.IGNORECASE,
 )
 """A time of ten, of a screw, of an order: "per 10 pcs", "je Schraube"."""
