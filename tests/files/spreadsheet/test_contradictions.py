@@ -50,6 +50,7 @@ def beside(tmp_path: Path, header: str, *values: Any) -> Path:
         [["Ø", None, 10.5, 12.5], ["Std dev", None, 0.5, 0.5]],
         [["Cycle time target", None, 60]],
         [[None, "Sum station 1", 21, 25]],
+        [["Sum", None, 21, 25], ["per shift (450)", None, 9450, 11250]],
     ],
 )
 def test_figures_below_the_tasks_are_no_tasks(below: Sequence[Any], tmp_path: Path) -> None:
@@ -107,6 +108,10 @@ def test_work_with_a_number_of_its_own_is_no_figure(tmp_path: Path) -> None:
         ["tr Werker [min]", "te Werker [min]"],
         ["Model A human [s]", "Model B human [s]"],
         ["Left hand [s]", "Right hand [s]"],
+        ["Hand links [s]", "Hand rechts [s]"],
+        ["Human P50 [s]", "Human P90 [s]"],
+        ["Human 1 pc [s]", "Human 10 pcs [s]"],
+        ["Human shift 1 [s]", "Human shift 2 [s]"],
         ["Human min", "Human max"],
     ],
 )
@@ -176,6 +181,16 @@ def test_how_many_people_are_no_seconds(tmp_path: Path) -> None:
     ((place, message),) = refused(path)
     assert (place, "how many people" in message) == ("F1", True)
     assert len(import_cell(path, columns={"Workers": "ignore"})[0].operators) == 2
+
+
+def test_the_only_times_of_somebody_are_not_left_out_in_a_note(tmp_path: Path) -> None:
+    """ "cycle" is no operator's time; without both columns, the robot would do all the work."""
+    rows = [["Task", "Human cycle 1 [s]", "Human cycle 2 [s]", "Robot [s]"], ["a", 8, 10, 9]]
+    path = sheet(tmp_path / "plan.xlsx", rows)
+    ((place, message),) = refused(path)
+    assert (place, "no other column holds a time of a human" in message) == ("B1", True)
+    cell, _ = import_cell(path, columns={"Human cycle 1 [s]": "time human"})
+    assert list(cell.operators) == ["human", "Robot"]
 
 
 # --- columns that contradict ----------------------------------------------------------------------

@@ -16,10 +16,13 @@ from tandem.files.spreadsheet.vocabulary import CONDITIONS, KINDS, MACHINES, kin
 
 VARIANT = re.compile(
     r"\b(model|modell|variant|variante|product|produkt|version|option|scenario|szenario|case|fall|trial|versuch"
-    r"|run|lauf|obs|observation|messung|reading) ?#?(\w+)\b"
+    r"|run|lauf|obs|observation|messung|reading|shift|schicht) ?#?(\w+)\b|\bp\d\d\b"
+    r"|\b\d+ ?(pcs?|pieces?|stk|stueck)\b"
 )
-"""A product, a variant or a reading by its letter or number."""
-SIDES = frozenset(("left", "right", "linke", "rechte"))
+"""A product, a variant, a shift or a reading by its letter or number, a percentile, a number of
+pieces.
+"""
+SIDES = frozenset(("left", "right", "linke", "rechte", "links", "rechts"))
 """Words that are a condition beside "hand" alone: a left robot and a right one are two."""
 LEAST = re.compile(r"(.+) min")
 MOST = "max|maximum|maximal|avg|average|mean|mittel|mittelwert|typ|typical"

@@ -17,7 +17,7 @@ from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.precedence import END_TO_START
 from tandem.files.spreadsheet.said import Said, enumerated, say
 from tandem.files.spreadsheet.values import UnreadableError, cannot, number, says_able
-from tandem.files.spreadsheet.vocabulary import KINDS, PEOPLE, kind_of, split_unit
+from tandem.files.spreadsheet.vocabulary import KINDS, PEOPLE, bound_of, kind_of, split_unit
 
 POSSIBLE = re.compile(
     r"\b(possible|feasible|feasibility|capable|suitable|suitability|allowed|able|ok|automatable"
@@ -84,6 +84,29 @@ def ask_about_contradictions(table: Table, rows: list[int], findings: Findings) 
             _ask_about_the_total(table, column, rows, findings)
         _ask_about_the_dead(table, column, rows, findings)
     _ask_how_many(table, rows, findings)
+    _ask_who_was_left_out(table, findings)
+
+
+def _ask_who_was_left_out(table: Table, findings: Findings) -> None:
+    """ "Human cycle 1 [s]" beside "Robot [s]": without it, nobody but the robot would work."""
+    planned = {
+        kind_of(who)
+        for column in table.having("time", "able")
+        for who in (column.meaning.who if column.meaning else ())
+    }
+    for column in table.columns if planned - {None} else ():
+        name, unit = split_unit(column.header)
+        kinds = {KINDS[word] for word in key(name).split() if word in KINDS and len(word) > 1}
+        left_out = column.meaning is None and unit and len(kinds) == 1 and not kinds & planned
+        if left_out and not bound_of(column.header):
+            who = kinds.pop()
+            findings.fault(
+                f"{column.header!r} is not read, and no other column holds a time of a {who}. Say"
+                f' what it means, such as --map "{column.header}=time {who} [{unit}]"'
+                " (=ignore leaves it out).",
+                column.place,
+            )
+            planned.add(who)
 
 
 def _cells(table: Table, column: Column, rows: list[int]) -> Iterator[tuple[int, Value, str]]:

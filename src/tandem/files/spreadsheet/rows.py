@@ -139,7 +139,10 @@ def _is_a_figure(text: str) -> bool:
     brackets, and less numbers; a name in double quotes is none.
     """
     plain = re.sub(r"[\[(][^\])]*[\])]|[\d.,%]+", " ", text.replace("Ø", " avg "))
-    words = PER_TIME.sub("", " ".join(key(plain).split())).split()
+    bare = " ".join(key(plain).split())
+    words = PER_TIME.sub("", f" {bare}").split()
+    if not words:
+        return bool(bare)
     own = [word for place, word in enumerate(words) if place or word not in FIGURES_OF]
     reckoned = " ".join(words) in FIGURES or " ".join(own) in FIGURES
     return text[:1] != '"' and (reckoned or (own != words and own in (["time"], ["zeit"])))
