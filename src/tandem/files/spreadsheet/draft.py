@@ -17,6 +17,8 @@ from tandem.cell.parts import Kind
 from tandem.errors import CellError, Fault, UsageError
 from tandem.files.messages import flaws
 from tandem.files.spreadsheet.assessments import read_assessments
+from tandem.files.spreadsheet.conditions import ask_which_condition
+from tandem.files.spreadsheet.contradictions import ask_about_contradictions
 from tandem.files.spreadsheet.findings import Findings, Note, listed
 from tandem.files.spreadsheet.grid import Book, Grid, shown
 from tandem.files.spreadsheet.header import TIMED, Column, Table, amounts_of, find_table
@@ -39,6 +41,7 @@ from tandem.files.spreadsheet.precedence import (
     with_precedence,
 )
 from tandem.files.spreadsheet.repeats import once_a_column
+from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.said import enumerated, say
 from tandem.files.spreadsheet.scores import AGGREGATES, without_scores
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
@@ -180,6 +183,8 @@ def read_book(
     raw = without_scores(raw, overrides, findings, _aggregate(aggregate))
     raw = with_joint_ways(with_precedence(with_outline(raw), findings), known, findings)
     table = settled(raw, tuple(beside.operators), findings)
+    ask_which_condition(table, known, findings)
+    ask_about_contradictions(table, task_rows(table, Findings()), findings)
     others = _other_sheets(
         book, [table.grid.name, *(able.grid.name for able in abilities)], table, findings
     )
@@ -507,7 +512,28 @@ def _who_can(task: Mapping[str, Any]) -> set[str]:
     }
 
 
+MOST_REMARKS, LONGEST_REMARK = 10, 60
+"""Of the comments at cells, so many are told, each so far."""
+
+
+def _comments(table: Table, findings: Findings) -> None:
+    """Says which cells that are read have comments: "in minutes!" is for people to mind."""
+    read = {c.index for c in table.columns if c.meaning and c.meaning.what != "ignore"}
+    said = [
+        say("comment", cell=table.grid.place(row, column).rpartition("!")[2], text=repr(short))
+        for (row, column), text in sorted(table.grid.comments.items())
+        if row >= table.header_row and column in read and (short := text[:LONGEST_REMARK])
+    ]
+    if said:
+        findings.note(
+            "assumed",
+            say("comments", cells=enumerated(said, MOST_REMARKS)),
+            table.grid.place(table.header_row, 0),
+        )
+
+
 def _more_notes(book: Book, table: Table, findings: Findings) -> None:
+    _comments(table, findings)
     if findings.rounded:
         findings.note("assumed", say("rounded", cells=enumerated(findings.rounded, 20)))
     hidden = [

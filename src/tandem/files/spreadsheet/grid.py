@@ -41,6 +41,7 @@ class Grid:
       hidden: the sheet itself is hidden.
       hidden_rows, hidden_columns: counted from 0.
       indents: `(row, column)` -> how far the cell is indented by its format, where it is.
+      comments: `(row, column)` -> what somebody remarked at the cell.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Grid:
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
     indents: Mapping[tuple[int, int], int] = field(default_factory=dict)
+    comments: Mapping[tuple[int, int], str] = field(default_factory=dict)
 
     @cached_property
     def width(self) -> int:

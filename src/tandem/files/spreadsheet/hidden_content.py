@@ -21,6 +21,7 @@ from xml.etree import ElementTree
 from tandem.files.spreadsheet.number_format import BUILT_IN, dress, shown_duration
 
 NO_RESULT = "holds a formula with no stored result: open and save it in Excel or LibreOffice"
+STRUCK = "is struck through, so it may count no more: delete it, or take the line away"
 MOST_REPEATS = 2_000
 
 
@@ -33,12 +34,14 @@ class Sight:
       words: of numbers -> what their format writes beside them, "min" or "%".
       durations: of numbers that are shown to the second -> what is shown, "0:01:30".
       merged: areas `(top, left, bottom, right)`; of ods only.
+      comments: cells -> what somebody remarked there; of xlsx only.
     """
 
     odd: dict[tuple[int, int], str] = field(default_factory=dict)
     words: dict[tuple[int, int], str] = field(default_factory=dict)
     durations: dict[tuple[int, int], str] = field(default_factory=dict)
     merged: list[tuple[int, int, int, int]] = field(default_factory=list)
+    comments: dict[tuple[int, int], str] = field(default_factory=dict)
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
 
@@ -54,11 +57,12 @@ def look(content: bytes) -> tuple[dict[str, Sight], bool]:
             if "xl/workbook.bin" in names:
                 return {}, False
             sights = {}
-            formats = _formats(archive)
+            formats, marks = _formats(archive), _marks(archive)
             for sheet, part in _sheet_parts(archive):
                 if part in names:
                     with archive.open(part) as stream:
-                        sights[sheet] = _xlsx(stream, formats)
+                        sights[sheet] = _xlsx(stream, formats, marks)
+                    sights[sheet].comments = _comments(archive, part, names)
             return sights, True
         except (ElementTree.ParseError, KeyError, zipfile.BadZipFile):
             return {}, False
@@ -117,6 +121,23 @@ def _relations(archive: zipfile.ZipFile, part: str, folder: str) -> Iterator[tup
         yield element.attrib.get("Type", ""), element.attrib.get("Id", ""), whole
 
 
+def _comments(archive: zipfile.ZipFile, sheet: str, names: set[str]) -> dict[tuple[int, int], str]:
+    """Cell -> its remark, that of a conversation included, which Excel writes a second time so."""
+    folder, name = posixpath.split(sheet)
+    links = f"{folder}/_rels/{name}.rels"
+    found: dict[tuple[int, int], str] = {}
+    for kind, _, part in _relations(archive, links, folder) if links in names else ():
+        if not kind.endswith("/comments") or part not in names:
+            continue
+        for remark in ElementTree.fromstring(archive.read(part)).iter():
+            at = re.fullmatch(r"([A-Z]{1,3})(\d{1,7})", remark.attrib.get("ref", ""))
+            if _tag(remark) == "comment" and at:
+                text = "".join(piece.text or "" for piece in remark.iter() if _tag(piece) == "t")
+                said = " ".join(text.rpartition("Comment:\n")[2].split())
+                found[int(at[2]) - 1, _column(at[1], 0)] = said
+    return found
+
+
 def _formats(archive: zipfile.ZipFile) -> dict[str, str]:
     """Number of a cell's style -> its number format, for those that are not the plain one."""
     part = next(
@@ -139,7 +160,93 @@ def _formats(archive: zipfile.ZipFile) -> dict[str, str]:
     }
 
 
-def _xlsx(stream: IO[bytes], formats: Mapping[str, str]) -> Sight:
+@dataclass(frozen=True)
+class Struck:
+    """What a person sees of texts and their fonts, and a reader of values does not.
+
+    Attributes:
+      styles: of cells that are struck through.
+      texts: number of a shared text -> what is odd about it.
+    """
+
+    styles: frozenset[str]
+    texts: Mapping[str, str]
+
+    def odd(self, cell: ElementTree.Element) -> str | None:
+        """Why the cell may not say what its value says."""
+        inside = {_tag(part): part for part in cell}
+        value = inside["v"].text if "v" in inside else None
+        if not value and "is" not in inside:
+            return None
+        if cell.attrib.get("s", "") in self.styles:
+            return STRUCK
+        if "is" in inside:
+            return _odd_text(inside["is"])
+        return self.texts.get(value or "") if cell.attrib.get("t") == "s" else None
+
+
+def _marks(archive: zipfile.ZipFile) -> Struck:
+    parts = {kind.rpartition("/")[2]: part for kind, _, part in _book_parts(archive)[1]}
+    names = set(archive.namelist())
+    struck: frozenset[str] = frozenset()
+    texts: dict[str, str] = {}
+    if (part := parts.get("styles", "")) in names and b"strike" in (read := archive.read(part)):
+        struck = frozenset(_struck_styles(ElementTree.fromstring(read)))
+    if (part := parts.get("sharedStrings", "")) in names:
+        read = archive.read(part)
+        if b"strike" in read or b"superscript" in read:
+            items = (item for item in ElementTree.fromstring(read) if _tag(item) == "si")
+            texts = {str(n): why for n, item in enumerate(items) if (why := _odd_text(item))}
+    return Struck(struck, texts)
+
+
+def _struck_styles(root: ElementTree.Element) -> Iterator[str]:
+    lists = {_tag(element): list(element) for element in root}
+    fonts = {str(n) for n, font in enumerate(lists.get("fonts", [])) if _is_struck(font)}
+    for place, style in enumerate(lists.get("cellXfs", [])):
+        if style.attrib.get("fontId", "0") in fonts:
+            yield str(place)
+
+
+def _is_struck(font: ElementTree.Element) -> bool:
+    return any(
+        _tag(part) == "strike" and part.attrib.get("val", "1") not in ("0", "false")
+        for part in font
+    )
+
+
+def _odd_text(text: ElementTree.Element) -> str | None:
+    """Why a text of several runs may not be what it reads in one: "10" struck out before "12", a
+    raised 1 behind 10.
+    """
+    whole = struck = raised = ""
+    for run in text:
+        if _tag(run) != "r":
+            continue
+        said = "".join(part.text or "" for part in run if _tag(part) == "t")
+        fonts = [part for part in run if _tag(part) == "rPr"]
+        whole += said
+        if any(map(_is_struck, fonts)):
+            struck += said
+        elif any(
+            _tag(p) == "vertAlign" and p.attrib.get("val") == "superscript"
+            for font in fonts
+            for p in font
+        ):
+            raised += said
+    if struck.strip():
+        only = struck.strip() == whole.strip()
+        return (
+            STRUCK
+            if only
+            else (f"holds {whole!r}, of which {struck!r} is struck through: leave only what counts")
+        )
+    if raised.strip() and re.fullmatch(r"\s*\d[\d.,]*\s*", whole.removesuffix(raised)):
+        return f"holds {whole!r}, of which {raised!r} is a raised mark: leave only the number"
+    return None
+
+
+def _xlsx(stream: IO[bytes], formats: Mapping[str, str], marks: Struck) -> Sight:
     sight = Sight()
     hidden_rows: set[int] = set()
     hidden_columns: set[int] = set()
@@ -157,7 +264,7 @@ def _xlsx(stream: IO[bytes], formats: Mapping[str, str]) -> Sight:
             column = -1
             for cell in element:
                 column = _column(cell.attrib.get("r", ""), column + 1)
-                if why := _odd(cell):
+                if why := _odd(cell) or marks.odd(cell):
                     sight.odd[row, column] = why
                 elif code := formats.get(cell.attrib.get("s", "")):
                     _dressed(cell, code, row, column, sight)

@@ -39,6 +39,11 @@ def ways(text: str, people: Sequence[str]) -> list[tuple[str, ...]]:
     Raises:
       WhoError: with the way out, when it may be either, or names too few.
     """
+    if re.search(r"\[\s*\d+([.,]\d+)?\s*%?\s*\]", text):
+        raise WhoError(
+            "gives a share or a number of somebody, as project tools do, and here a person works on"
+            " a task or does not: write the name alone, or 'A + B' for two"
+        )
     named = {key(name): name for name in reversed(people)}
     if (alone := named.get(key(text))) is not None:
         return [(alone,)]

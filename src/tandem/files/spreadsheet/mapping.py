@@ -12,6 +12,7 @@ from difflib import get_close_matches
 from tandem.cell.names import Known, key
 from tandem.errors import UsageError
 from tandem.files.spreadsheet.abilities import settled_abilities
+from tandem.files.spreadsheet.contradictions import why_unread
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import TASK_WORDS, Column, Table
@@ -59,9 +60,11 @@ def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
     columns = settled_abilities(columns, table, rows, findings)
     columns = _who_takes_the_time(columns, findings)
     columns = _each_meaning_once(columns, findings)
+    read = replace(table, columns=tuple(columns))
     for column in columns:
         if column.meaning is None and not _nothing_in(table.grid, table, column):
-            _note_unread(column, findings)
+            why = column.why or (why_unread(read, column, rows) if column.header else None)
+            _note_unread(replace(column, why=why), findings)
         elif column.meaning and column.meaning.what == "ignore":
             findings.note(
                 "column",

@@ -12,8 +12,8 @@ from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import Table
 from tandem.files.spreadsheet.said import Said, enumerated, say
-from tandem.files.spreadsheet.values import Marks, UnreadableError, cannot, number
-from tandem.files.spreadsheet.vocabulary import TOTALS
+from tandem.files.spreadsheet.values import Marks, UnreadableError, cannot, is_number, number
+from tandem.files.spreadsheet.vocabulary import FIGURES, FIGURES_OF, TOTALS
 
 ANY_MARK = Marks(".", grouped=True)
 """Good enough to see whether a row sums up those above it."""
@@ -21,6 +21,17 @@ AVERAGES = re.compile(
     r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|maximum|taktzeit|cycle time",
     re.IGNORECASE,
 )
+
+
+TOTAL_WORDS = re.compile(
+    r"\b(sub ?totals?|grand totals?|totals?|sums?|(zwischen)?summen?|gesamt\w*|insgesamt|overall)\b"
+    r"|[Σ∑]",
+    re.IGNORECASE,
+)
+"""Words within a longer name, "Total work content", "Summe Station 1": a total if its numbers are
+the sums as well.
+"""
+PER_TIME = re.compile(r" (target|per (shift|day|hour|week)|(je|pro) (schicht|tag|stunde|woche))$")
 
 
 def task_rows(table: Table, findings: Findings) -> list[int]:
@@ -35,12 +46,16 @@ def task_rows(table: Table, findings: Findings) -> list[int]:
         default=-1,
     )
     after_blank = False
+    figures = _key_figures(table)
+    since: list[int] = []
     for row in range(table.first_row, len(grid.rows)):
         if grid.is_blank(row):
             blanks.append(row)
             after_blank = True
             continue
-        why = _no_task(table, row, rows, row > last and after_blank)
+        why = figures.get(row) or _no_task(table, row, rows, row > last and after_blank)
+        if why is None and (why := _named_total(table, row, rows, since)):
+            since = []
         if why:
             findings.note(
                 "row",
@@ -55,6 +70,7 @@ def task_rows(table: Table, findings: Findings) -> list[int]:
                 grid.place(row, 0),
             )
         rows.append(row)
+        since.append(row)
     if inner := [row + 1 for row in blanks if rows and row < rows[-1]]:
         findings.note("row", say("row.blank", rows=enumerated(inner)), grid.place(inner[0] - 1, 0))
     return rows
@@ -81,6 +97,55 @@ def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> Said
     if below_all:
         return say("why.alone", text=repr(texts[0]))
     return None
+
+
+def _named_total(table: Table, row: int, before: list[int], since: list[int]) -> Said | None:
+    """A name with a word for a total in it, and numbers that are the sums of all tasks above, or of
+    those since the last such row.
+    """
+    text = _first_text(table, row)
+    if not TOTAL_WORDS.search(text) or text[:1] == '"':
+        return None
+    sums = _are_sums(table, row, before) or (
+        len(since) < len(before) and _are_sums(table, row, since, least=1)
+    )
+    return say("why.total", text=repr(text)) if sums else None
+
+
+def _first_text(table: Table, row: int) -> str:
+    return next((tidy(v) for _, v in table.grid.filled(row) if isinstance(v, str)), "")
+
+
+def _key_figures(table: Table) -> dict[int, Said]:
+    """The rows at the end of the table that are called a takt time, a shift length, a utilisation
+    or alike: behind the last one that has another name and a time.
+    """
+    found: dict[int, Said] = {}
+    for row in reversed(range(table.first_row, len(table.grid.rows))):
+        text = _first_text(table, row)
+        if _is_a_figure(text) and not _is_numbered(table, row):
+            found[row] = say("why.figure", text=repr(text))
+        elif _has_a_time(table, row) and not is_total(text) and not TOTAL_WORDS.search(text):
+            break
+    return found
+
+
+def _is_numbered(table: Table, row: int) -> bool:
+    return any(is_number(table.grid.value(row, c.index)) for c in table.having("number"))
+
+
+def _is_a_figure(text: str) -> bool:
+    """ "Takt time [s]", "Verteilzeit 10 %", "Available time": in plain words, less what stands in
+    brackets, and less numbers; a name in double quotes is none.
+    """
+    plain = re.sub(r"[\[(][^\])]*[\])]|[\d.,%]+", " ", text.replace("Ø", " avg "))
+    bare = " ".join(key(plain).split())
+    words = PER_TIME.sub("", f" {bare}").split()
+    if not words:
+        return bool(bare)
+    own = [word for place, word in enumerate(words) if place or word not in FIGURES_OF]
+    reckoned = " ".join(words) in FIGURES or " ".join(own) in FIGURES
+    return text[:1] != '"' and (reckoned or (own != words and own in (["time"], ["zeit"])))
 
 
 def _is_named_by_halves(table: Table, column: int) -> bool:
@@ -152,10 +217,10 @@ def _sums_up(table: Table, row: int, before: list[int]) -> bool:
     )
 
 
-def _are_sums(table: Table, row: int, before: list[int]) -> bool:
+def _are_sums(table: Table, row: int, before: list[int], least: int = 2) -> bool:
     """Every number is the sum of its column so far."""
     grid = table.grid
-    if len(before) < 2:
+    if len(before) < least:
         return False
     sums = [
         (column, _number(grid, row, column.index))

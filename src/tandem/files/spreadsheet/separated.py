@@ -22,6 +22,10 @@ STATED = re.compile(r"sep=(.)(?:\r\n|\r|\n|\Z)", re.IGNORECASE)
 
 KEEP = "Keep only the tasks of one station."
 
+ONE_BYTE = {"cp1252": "Windows-1252", "cp850": "DOS (code page 850)", "mac_roman": "Mac Roman"}
+"""Codes of a byte a letter, the likeliest first: the umlauts of one are signs in another."""
+MOST_LOOKED_AT = 200_000
+
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas"}
 """In the order in which they are believed when two fit equally well: a comma may be a decimal
 mark.
@@ -180,7 +184,15 @@ def _decode(path: Path, content: bytes) -> tuple[str, str]:
     try:
         return content.decode("utf-8-sig"), "UTF-8"
     except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace"), "Windows-1252"
+        code = max(ONE_BYTE, key=lambda code: _letters(content[:MOST_LOOKED_AT], code))
+        return content.decode(code, errors="replace"), ONE_BYTE[code]
+
+
+def _letters(content: bytes, code: str) -> int:
+    """How many letters with accents stand within words, umlauts twice, if that is the code."""
+    text = content.decode(code, errors="replace")
+    umlauts = re.findall(r"(?<=[A-Za-z])[äöüß]|[ÄÖÜäöü](?=[a-z])", text)
+    return 2 * len(umlauts) + len(re.findall(r"(?<=[a-z])[éèêàáâçñóíúôûøåæ]", text))
 
 
 def _separator(text: str) -> str:

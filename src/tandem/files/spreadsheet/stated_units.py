@@ -9,7 +9,7 @@ from contextlib import suppress
 
 from tandem.cell.names import key
 from tandem.files.spreadsheet.findings import Findings, listed
-from tandem.files.spreadsheet.grid import blank, letters
+from tandem.files.spreadsheet.grid import blank, letters, tidy
 from tandem.files.spreadsheet.header import TIMED, Column, Table
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.units import unclear_unit
@@ -29,6 +29,14 @@ UNIT_COLUMN = re.compile(
 )
 """How a column of units is called; it may have no header at all."""
 
+
+PER_SOMETHING = re.compile(
+    r"\b(?:per|je|pro)\b\s*(?:\d+\s*[^\W\d_]{2,}|(?!(?:task|vorgang|arbeitsgang|operation|step|schritt"
+    r"|activity|element|person|worker|werker|operator|bediener|mitarbeiter|human|mensch|robot|roboter"
+    r"|cobot|product|produkt|assembly|baugruppe|workpiece|werkst(?:ü|ue)ck|station)s?\b)[^\W\d_]{2,})",
+    re.IGNORECASE,
+)
+"""A time of ten, of a screw, of an order: "per 10 pcs", "je Schraube"."""
 
 SHORT = 5
 """Seconds; where all tasks are shorter, their times are rather minutes."""
@@ -83,6 +91,15 @@ def _refuse_an_unclear_unit(column: Column, findings: Findings) -> None:
     what = column.meaning
     header = QUOTES.sub(" ", column.header)
     header = PER_PIECE.sub(" ", header) if what is not None and what.per_piece else header
+    of_many = PER_SOMETHING.search(header)
+    if of_many and what is not None and what.what == "time" and not what.told:
+        message = (
+            f"{column.header!r}: {tidy(of_many[0])!r} is neither a task nor a piece. Write the time"
+            " of the whole task, or 'per piece' beside a column 'Quantity', or say what it is with"
+            f' --map "{letters(column.index)}=time human [s]".'
+        )
+        findings.fault(message, column.place)
+        return
     odd = unclear_unit(split_unit(header)[0])
     if odd and what is not None and not (what.told and what.unit):
         message = (

@@ -182,7 +182,10 @@ def _entries(
         if not name:
             text = str(len(entries) + 1) if said else ""
         if not text:
-            place = table.grid.place(row, (name or label or table.columns[0]).index)
+            naming = (name or label or table.columns[0]).index
+            place = table.grid.place(row, naming)
+            if (row, naming) in table.grid.odd:  # which has been told
+                continue
             findings.fault(
                 "is empty: the row has values and no task. Give the task a name, or clear the row.",
                 place,
@@ -720,13 +723,13 @@ def _lists(
     must be done by the same operator.
     """
     names = [entry.name for entry in entries]
-    labels = {text: entry.name for entry in entries if (text := _label(table, entry))}
+    labels, several = _labels(table, entries)
     rows = {entry.name: entry.rows[0] + 1 for entry in entries}
     codes = outline_codes(
         table, [Row(entry.name, entry.rows[0], entry.quoted) for entry in entries]
     )
     known = {**labels, **{code: name for name, code in codes.items()}}
-    unread = _unread_numbers(table, entries)
+    unread = {**_unread_numbers(table, entries), **several}
     links: list[Link] = []
     already = len(findings.faults)
     for column in table.having(*LISTS):
@@ -770,6 +773,21 @@ def _lists(
             findings.places["tasks", link.later, "after", len(after)] = link.place
             findings.places.setdefault(("tasks", link.later, "after"), link.place)
             after.append(link.first)
+
+
+def _labels(table: Table, entries: list[Entry]) -> tuple[dict[str, str], dict[str, str]]:
+    """Label -> the one task that is called so; label -> a sentence about the several."""
+    called: dict[str, list[str]] = {}
+    for entry in entries:
+        if text := _label(table, entry):
+            called.setdefault(text, []).append(entry.name)
+    one = {text: names[0] for text, names in called.items() if len(names) == 1}
+    several = {
+        text: f"Several tasks are called so, {enumerated(names, 6)}: write the one that is meant."
+        for text, names in called.items()
+        if len(names) > 1
+    }
+    return one, several
 
 
 def _unread_numbers(table: Table, entries: list[Entry]) -> dict[str, str]:

@@ -47,6 +47,15 @@ JOINT = frozenset(VOCABULARY["joint"])
 FILLERS = frozenset(VOCABULARY["fillers"])
 """Words that say nothing beside a measure: "Zeit für den Roboter"."""
 
+CONDITIONS = frozenset(VOCABULARY["conditions"])
+"""Words that say under which condition a time of somebody holds, or which part of it is meant."""
+
+PEOPLE = frozenset(VOCABULARY["people"])
+"""What a column is called that says how many people a task takes."""
+
+FIGURES, FIGURES_OF = frozenset(VOCABULARY["figures"]), frozenset(VOCABULARY["figures of"])
+"""What planners reckon below the times of the tasks, and words before it: "target takt time"."""
+
 MEASURES: dict[str, str] = {
     "time": (
         r"t|te|tg|times?|zeit(en)?|dauer|durations?|"

@@ -176,6 +176,7 @@ def _grid(
         merged=merged or tuple(sight.merged),
         odd=sight.odd,
         words=sight.words,
+        comments=sight.comments,
         hidden=hidden,
         hidden_rows=sight.hidden_rows,
         hidden_columns=sight.hidden_columns,

@@ -1,0 +1,339 @@
+"""What a sheet says beside the columns that are read, and against them, is asked about and never
+planned over: conditions, conditions of who can, deleted rows, struck cells, figures of the shift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import openpyxl
+import pytest
+from openpyxl.cell.rich_text import CellRichText, TextBlock
+from openpyxl.cell.text import InlineFont
+from openpyxl.comments import Comment
+from openpyxl.styles import Font
+from tests.files.spreadsheet.books import sheet
+
+from tandem.errors import CellError
+from tandem.files.spreadsheet import import_cell
+
+TIMES = ["No", "Task", "Human [s]", "Robot [s]", "Pred"]
+WORK = [[1, "a", 10, 12, None], [2, "b", 11, 13, 1]]
+
+
+def refused(path: Path, **options: Any) -> list[tuple[str, str]]:
+    with pytest.raises(CellError) as caught:
+        import_cell(path, **options)
+    return [(fault.place.rpartition("!")[2], fault.message) for fault in caught.value.faults]
+
+
+def beside(tmp_path: Path, header: str, *values: Any) -> Path:
+    """The work with one more column."""
+    rows = [[*row, value] for row, value in zip(WORK, values, strict=True)]
+    return sheet(tmp_path / "plan.xlsx", [[*TIMES, header], *rows])
+
+
+# --- below the table ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "below",
+    [
+        [[], ["Takt time", None, 60], ["Shift length", None, 27000]],
+        [[], [None, "Takt [s]", 60], [None, "Demand per shift", 450]],
+        [["Total work content", None, 21, 25]],
+        [["Sum of times", None, 21, 25], ["Line balance %", None, 85, 90]],
+        [["Zykluszeit", None, 21, 25], ["Auslastung", None, 0.5, 0.6]],
+        [["Σ", None, 21, 25], ["Verteilzeit 10 %", None, 2, 2.5], ["Vorgabezeit", None, 23, 28]],
+        [["Ø", None, 10.5, 12.5], ["Std dev", None, 0.5, 0.5]],
+        [["Cycle time target", None, 60]],
+        [[None, "Sum station 1", 21, 25]],
+        [["Sum", None, 21, 25], ["per shift (450)", None, 9450, 11250]],
+    ],
+)
+def test_figures_below_the_tasks_are_no_tasks(below: Sequence[Any], tmp_path: Path) -> None:
+    cell, notes = import_cell(sheet(tmp_path / "plan.xlsx", [TIMES, *WORK, *below]))
+    assert list(cell.tasks) == ["1", "2"]
+    rows = [4 + place for place, row in enumerate(below) if row]
+    assert [
+        note.place[-1] for note in notes if note.kind == "row" and "blank" not in str(note)
+    ] == [str(row) for row in rows]
+
+
+def test_sums_of_each_station_are_no_tasks(tmp_path: Path) -> None:
+    rows = [
+        ["Task", "Human [s]", "Robot [s]"],
+        ["a", 10, 12],
+        ["b", 11, 13],
+        ["Subtotal Station 1", 21, 25],
+        ["c", 5, 6],
+        ["Subtotal Station 2", 5, 6],
+    ]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert list(cell.tasks) == ["a", "b", "c"]
+
+
+def test_work_that_is_called_almost_so_stays_work(tmp_path: Path) -> None:
+    """No figure of the shift, no sum, in the middle of the list, or in quotes."""
+    rows = [
+        ["Task", "Human [s]"],
+        ["Idle time", 3],
+        ["o", 4],
+        ["Overall inspection", 4],
+        ["Balance", 5],
+        ['"Takt time"', 6],
+    ]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert list(cell.tasks) == ["Idle time", "o", "Overall inspection", "Balance", "Takt time"]
+
+
+def test_work_with_a_number_of_its_own_is_no_figure(tmp_path: Path) -> None:
+    rows = [TIMES, *WORK, [3, "Idle time", 5, None, 2]]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert list(cell.tasks) == ["1", "2", "3"]
+
+
+# --- one operator under several conditions --------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        ["Observed time human [s]", "Normal time human [s]"],
+        ["Human best [s]", "Human worst [s]"],
+        ["Human before [s]", "Human after [s]"],
+        ["Human [s]", "σ human [s]"],
+        ["tr Werker [min]", "te Werker [min]"],
+        ["Model A human [s]", "Model B human [s]"],
+        ["Left hand [s]", "Right hand [s]"],
+        ["Hand links [s]", "Hand rechts [s]"],
+        ["Human P50 [s]", "Human P90 [s]"],
+        ["Human 1 pc [s]", "Human 10 pcs [s]"],
+        ["Human shift 1 [s]", "Human shift 2 [s]"],
+        ["Human min", "Human max"],
+    ],
+)
+def test_conditions_are_no_people(headers: list[str], tmp_path: Path) -> None:
+    rows = [["Task", *headers, "Robot [s]"], ["a", 8, 10, 9], ["b", 4, 5, 6]]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", rows))
+    assert place in ("B1", "C1")
+    assert all(word in message for word in ("=ignore", "--map", repr(headers[0])))
+
+
+def test_a_group_above_the_operators_may_be_a_condition(tmp_path: Path) -> None:
+    rows = [
+        [None, "Today", None, "Future", None],
+        ["Task", "Human [s]", "Robot [s]", "Human [s]", "Robot [s]"],
+        ["a", 8, 10, 9, 7],
+    ]
+    path = sheet(tmp_path / "plan.xlsx", rows, merged=["B1:C1", "D1:E1"])
+    assert [place for place, _ in refused(path)] == ["D2", "E2"]
+
+
+def test_people_with_a_name_of_their_own_are_not_asked_about(tmp_path: Path) -> None:
+    headers = ["Werker 1", "Werker 2", "Left cobot", "Right cobot", "Human Anna"]
+    rows = [["Task", *(f"{name} [s]" for name in headers)], ["a", 1, 2, 3, 4, 5]]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert list(cell.operators) == headers
+
+
+def test_a_condition_may_be_somebody_all_the_same(tmp_path: Path) -> None:
+    rows = [["Task", "Human best [s]", "Human worst [s]"], ["a", 8, 10]]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows), humans=["Human worst"])
+    assert list(cell.operators) == ["Human best", "Human worst"]
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Time human [s] per 10 pcs", "Time per screw human [s]", "Zeit Mensch je Schraube [s]"],
+)
+def test_a_time_of_many_or_of_another_thing_is_asked_about(header: str, tmp_path: Path) -> None:
+    path = sheet(tmp_path / "plan.xlsx", [["Task", header, "Anzahl"], ["a", 8, 4]])
+    ((place, message),) = refused(path)
+    assert (place, "is neither a task nor a piece" in message) == ("B1", True)
+    cell, _ = import_cell(path, columns={"B": "time human [s]"})
+    assert cell.tasks["a"].time == {"human": 8}
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Time human [s] per task", "Zeit pro Vorgang Mensch [s]", "Time human per assembly [s]"],
+)
+def test_a_time_of_a_task_is_what_it_is(header: str, tmp_path: Path) -> None:
+    rows = [["Task", header], ["a", 8]]
+    assert len(import_cell(sheet(tmp_path / "plan.xlsx", rows))[0].tasks) == 1
+
+
+def test_a_total_that_is_the_product_shows_that_the_time_is_that_of_one(tmp_path: Path) -> None:
+    rows = [["Task", "Qty", "Human [s]", "Total human [s]"], ["a", 4, 3, 12], ["b", 1, 5, 5]]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", rows))
+    assert place == "D1"
+    assert "'Human [s]' times 'Qty'" in message
+    rows[0][2] = "Human per piece [s]"
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["a"].time == {"Human": 12}
+
+
+def test_how_many_people_are_no_seconds(tmp_path: Path) -> None:
+    path = beside(tmp_path, "Workers", 2, 1)
+    ((place, message),) = refused(path)
+    assert (place, "how many people" in message) == ("F1", True)
+    assert len(import_cell(path, columns={"Workers": "ignore"})[0].operators) == 2
+
+
+def test_the_only_times_of_somebody_are_not_left_out_in_a_note(tmp_path: Path) -> None:
+    """ "cycle" is no operator's time; without both columns, the robot would do all the work."""
+    rows = [["Task", "Human cycle 1 [s]", "Human cycle 2 [s]", "Robot [s]"], ["a", 8, 10, 9]]
+    path = sheet(tmp_path / "plan.xlsx", rows)
+    ((place, message),) = refused(path)
+    assert (place, "no other column holds a time of a human" in message) == ("B1", True)
+    cell, _ = import_cell(path, columns={"Human cycle 1 [s]": "time human"})
+    assert list(cell.operators) == ["human", "Robot"]
+
+
+# --- columns that contradict ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("header", "values"),
+    [
+        ("Robot possible?", ("Y", "N")),
+        ("Automatisierbar", ("ja", "nein")),
+        ("Suitability", ("both", "human only")),
+        ("Eignung", ("beide", "nur Mensch")),
+        ("Active", ("Yes", "No")),
+        ("Gelöscht", (None, "x")),
+        ("Status", ("open", "deleted")),
+        ("Bemerkung", ("", "entfällt")),
+        ("Relation", ("FS", "SS")),
+        ("Lag [s]", (0, 20)),
+    ],
+)
+def test_what_contradicts_the_plan_is_asked_about(
+    header: str, values: tuple[Any, Any], tmp_path: Path
+) -> None:
+    path = beside(tmp_path, header, *values)
+    ((place, message),) = refused(path)
+    assert place == "F3"
+    assert f'--map "{header}=ignore"' in message
+    cell, _ = import_cell(path, columns={header: "ignore"})
+    assert len(cell.tasks) == 2
+
+
+@pytest.mark.parametrize(
+    ("header", "values", "words"),
+    [
+        ("Status", ("open", "done"), "column F 'Status' was not read. If it matters"),
+        ("Active", ("Yes", "Yes"), "column F 'Active' was not read. If it matters"),
+        ("Robot possible?", ("Y", "Y"), "column F 'Robot possible?' was not read. If it matters"),
+        ("Station", ("ST1", "ST2"), "the tasks of ST1, ST2 are planned together"),
+        ("Every nth cycle", (1, 5), "each task is planned once, in the time that stands there"),
+        ("Current operator", ("Human", "Robot"), "who does a task is for the plan to say"),
+        ("Relation", ("FS", "FS"), "column F 'Relation' was not read. If it matters"),
+    ],
+)
+def test_what_contradicts_nothing_is_a_note(
+    header: str, values: tuple[Any, Any], words: str, tmp_path: Path
+) -> None:
+    _, notes = import_cell(beside(tmp_path, header, *values))
+    assert any(words in note.message for note in notes)
+
+
+def test_a_share_of_somebody_is_nobody_new(tmp_path: Path) -> None:
+    rows = [
+        ["ID", "Name", "Duration [min]", "Resource Names"],
+        [1, "a", 10, "Human"],
+        [2, "b", 5, "Human[50%]"],
+    ]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", rows))
+    assert (place, "gives a share or a number of somebody" in message) == ("D3", True)
+
+
+def test_a_name_of_two_tasks_is_no_reference_to_the_last(tmp_path: Path) -> None:
+    rows = [["No", "Task", "Human [s]", "Pred"]]
+    rows += [[1, "Screw", 3, None], [2, "Screw", 4, 1], [3, "Pack", 5, "Screw"]]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", rows))
+    assert (place, "Several tasks are called so, 1, 2" in message) == ("D4", True)
+
+
+@pytest.mark.parametrize("header", ["is blocked by", "Blocked by"])
+def test_what_blocks_a_task_comes_before_it(header: str, tmp_path: Path) -> None:
+    rows = [["Key", "Human [s]", header], ["AB-1", 3, None], ["AB-2", 4, "AB-1"]]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["AB-2"].after == ("AB-1",)
+
+
+# --- what is struck out ---------------------------------------------------------------------------
+
+
+def struck(tmp_path: Path, *cells: str) -> Path:
+    book = openpyxl.Workbook()
+    for row in (TIMES, *WORK):
+        book.active.append(row)
+    for cell in cells:
+        book.active[cell].font = Font(strike=True)
+    book.save(tmp_path / "plan.xlsx")
+    return tmp_path / "plan.xlsx"
+
+
+def test_a_task_that_is_struck_through_is_asked_about(tmp_path: Path) -> None:
+    faults = refused(struck(tmp_path, *(f"{column}3" for column in "ABCDE")))
+    assert (
+        "A3",
+        "is struck through, so it may count no more: delete it, or take the line away.",
+    ) in (faults)
+
+
+def test_a_time_that_is_struck_through_is_asked_about(tmp_path: Path) -> None:
+    assert [place for place, _ in refused(struck(tmp_path, "D2"))] == ["D2"]
+
+
+def test_an_empty_cell_may_be_struck_through(tmp_path: Path) -> None:
+    assert len(import_cell(struck(tmp_path, "E2"))[0].tasks) == 2
+
+
+def test_runs_of_a_text_are_not_read_in_one(tmp_path: Path) -> None:
+    """Read in one, the first time would be 1012 and the second 101."""
+    out, raised = InlineFont(strike=True), InlineFont(vertAlign="superscript")
+    book = openpyxl.Workbook()
+    for row in (TIMES, *WORK):
+        book.active.append(row)
+    book.active["C2"] = CellRichText(TextBlock(out, "10"), "12")
+    book.active["C3"] = CellRichText("10", TextBlock(raised, "1"))
+    book.active["B2"] = CellRichText("m", TextBlock(raised, "2"), " cut")
+    book.save(tmp_path / "plan.xlsx")
+    assert refused(tmp_path / "plan.xlsx") == [
+        ("C2", "holds '1012', of which '10' is struck through: leave only what counts."),
+        ("C3", "holds '101', of which '1' is a raised mark: leave only the number."),
+    ]
+
+
+def test_comments_at_the_cells_that_are_read_are_told(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    for row in ([*TIMES, "Colour"], *WORK):
+        book.active.append(row)
+    book.active["C3"].comment = Comment("in minutes!", "somebody")
+    book.active["F3"].comment = Comment("blue", "somebody")
+    book.save(tmp_path / "plan.xlsx")
+    _, notes = import_cell(tmp_path / "plan.xlsx")
+    told = [note.message for note in notes if "comments" in note.message]
+    assert told == ["comments at cells were not read: C3 'in minutes!'."]
+
+
+# --- text files of other machines -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [("cp1252", "Windows-1252"), ("cp850", "DOS (code page 850)"), ("mac_roman", "Mac Roman")],
+)
+def test_the_umlauts_tell_the_code_of_a_text_file(code: str, said: str, tmp_path: Path) -> None:
+    """Read in another code, "Vorgänger" is no known header, and every task begins at once."""
+    text = "Nr;Vorgang;Zeit Mensch [s];Vorgänger\n1;Gehäuse;10,5;\n2;Prüfen;3;1\n"
+    (tmp_path / "plan.csv").write_bytes(text.encode(code))
+    cell, notes = import_cell(tmp_path / "plan.csv")
+    assert cell.tasks["2"].after == ("1",)
+    assert cell.tasks["1"].label == "Gehäuse"
+    assert any(said in note.message for note in notes)
