@@ -112,7 +112,13 @@ def shop_of(tasks: int, who: int) -> Cell:
 
 @pytest.mark.parametrize(
     ("tasks", "who", "by"),
-    [(160, 1, "search"), (160, 2, None), (140, 2, "_prove_later"), (200, 1, None)],
+    [
+        (160, 1, "search"),
+        (160, 2, None),
+        (140, 2, "_prove_later"),
+        (290, 1, "search"),
+        (300, 1, None),
+    ],
 )
 def test_job_shops_are_proven_whole_up_to_more_tasks(tasks, who, by):
     """Where each task is on one machine all cores search with CP-SAT, on either of two one does."""

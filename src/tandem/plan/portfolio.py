@@ -20,9 +20,11 @@ all cores improve.
 """
 LARGE_JOB_SHOP = 200
 """The same where tasks have little choice: a plain model finds there what improvers do not."""
-LITTLE_CHOICE, MACHINES = 1.5, 10
-"""Ways of a task, on the mean, that are little choice; and operators at least of what is called a
-job shop then. With fewer the load decides, and rows that say so.
+LITTLE_CHOICE = 1.5
+"""Ways of a task, on the mean, that are little choice."""
+MACHINES, SEARCHED = 10, 300
+"""Operators at least of what is called a job shop then: with fewer the load decides, and rows that
+say so. With so many tasks CP-SAT's own search takes too long to begin.
 """
 RELAXABLE = 1000
 """Beyond so many tasks the relaxation is left out: to state it takes seconds in which nobody can be
@@ -113,9 +115,9 @@ class Portfolio(Race):
         """The order on many machines is nearly all there is to choose, and CP-SAT's own search is
         the best at that.
         """
-        is_open = self._has_little_choice and len(self.instance.operators) >= MACHINES
-        is_plain = not (self.is_fine or self.effort.from_below)
-        return is_open and is_plain and inserts(self) and not self._is_large
+        tasks, operators = len(self.instance.tasks), len(self.instance.operators)
+        is_open = self._has_little_choice and operators >= MACHINES and tasks < SEARCHED
+        return is_open and inserts(self) and not (self.is_fine or self.effort.from_below)
 
     @property
     def _is_relaxable(self) -> bool:
