@@ -46,3 +46,13 @@ def test_battery_cells_stand_in_the_docs_with_what_their_proofs_took(name: str) 
     assert all(row.proven for row in mine.values())
     told = [f"{mine[solver].cpu_s:.1f} s of a core" for solver in SOLVERS]
     assert f"| {name} | {' | '.join(told)} |" in DOCS
+
+
+def test_whole_sets_stand_in_the_docs_as_they_were_measured() -> None:
+    rows = public_sets.read(RESULTS / "public_sets_whole.csv")
+    for name in {row.set for row in rows}:
+        count = len({row.instance for row in rows if row.set == name})
+        told = [_told(rows, name, solver) for solver in ("tandem", "pyjobshop")]
+        assert f"| {name} | {count} | {' | '.join(told)} |" in DOCS
+    rows = public_sets.read(RESULTS / "public_sets_brandimarte_30s.csv")
+    assert any(_told(rows, "fjsp_brandimarte", "tandem") in line for line in DOCS)
