@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import shutil
 import socket
+from contextlib import suppress
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -364,11 +365,10 @@ def test_200_streams_at_once_leave_the_server_alive(server):
 
 def test_what_is_no_http_ends_the_connection_alone(server):
     for nonsense in (b"\0" * 1000, b"GET / HTTP/9.9\r\n\r\n", b"X" * 200_000, b"\r\n\r\n"):
-        with socket.create_connection(("127.0.0.1", server.port), timeout=60) as connection:
-            try:
-                connection.sendall(nonsense)
+        connection = socket.create_connection(("127.0.0.1", server.port), timeout=60)
+        with connection, suppress(ConnectionError):
+            connection.sendall(nonsense)
+            with suppress(OSError):  # ended by the server between the two
                 connection.shutdown(socket.SHUT_WR)
-                connection.recv(100)
-            except ConnectionError:
-                continue
+            connection.recv(100)
     assert server.ask("GET", "/api/health").status == 200

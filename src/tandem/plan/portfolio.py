@@ -117,7 +117,8 @@ class Portfolio(Race):
         """
         tasks, operators = len(self.instance.tasks), len(self.instance.operators)
         is_open = self._has_little_choice and operators >= MACHINES and tasks < SEARCHED
-        return is_open and inserts(self) and not (self.is_fine or self.effort.from_below)
+        is_timed = inserts(self) and not self.goal.stress
+        return is_open and is_timed and not (self.is_fine or self.effort.from_below)
 
     @property
     def _is_relaxable(self) -> bool:

@@ -104,7 +104,10 @@ class CpSat:
         to the end. In a job shop an incumbent as a hint, and to begin again from a better one, held
         its neighbourhoods back.
         """
-        self._prove(False, workers, seed, None, is_apart=True)
+        plan = self._model(self._plain, None, False)
+        solver = self._solver(workers, seed, None)
+        watcher = _Watcher(self.race, solver, plan, None, inf)
+        self._settle(self._solve(solver, plan, watcher), solver, plan, None, False)
 
     def _now_and_then(self, seed: int) -> None:
         """The implied rows beside a plain model: each time with twice the work, after a rest."""
@@ -117,41 +120,45 @@ class CpSat:
                 threading.Event().wait(0.02)
             work *= 2
 
-    def _prove(
-        self, below: bool, workers: int, seed: int, work: float | None, is_apart: bool = False
-    ) -> None:
-        """One of the models, begun again whenever the incumbent has moved away from under it. What
-        is set apart takes no hint and is never begun again.
-        """
+    def _prove(self, below: bool, workers: int, seed: int, work: float | None) -> None:
+        """One of the models, begun again whenever the incumbent has moved away from under it."""
         # where ticks are fine one model does it all
         rules = self.race.rules if below or self.race.is_fine else self._plain
         is_at_once = len(self.instance.tasks) <= PROVED_AT_ONCE
         patience = PATIENT_AT_ONCE_S if is_at_once else PATIENT_S
-        if is_apart:
-            patience = inf
         while not self.race.over:
             with self.race.lock:
                 incumbent, cut = self.race.best, self.race.value
             plan = self._model(rules, incumbent, below)
-            if is_apart:
-                plan.model.clear_hints()  # type: ignore[no-untyped-call]
             solver = self._solver(workers, seed, work)
             watcher = _Watcher(self.race, solver, plan, cut, patience)
             solver.best_bound_callback = watcher.on_bound
             status = self._solve(solver, plan, watcher)
-            if self.door.refused:
+            if self._settle(status, solver, plan, cut, below):
                 return None
-            if status == cp_model.INFEASIBLE:
-                if cut is None:
-                    return self.race.rule_out(Prover.CP_SAT)
-                return self._nothing_below(cut, below)
-            if status == cp_model.OPTIMAL:
-                value = self.race.proposed(plan.read(solver.value), round(solver.objective_value))
-                return None if value is None else self.race.raise_bound(value, Prover.CP_SAT)
             if not watcher.outdated or work is not None:
                 return None
             patience *= 2
         return None
+
+    def _settle(
+        self, status: int, solver: cp_model.CpSolver, plan: Decisions, cut: int | None, below: bool
+    ) -> bool:
+        """What an answer proves, handed on; False where it leaves the question open."""
+        if self.door.refused:
+            return True
+        if status == cp_model.INFEASIBLE:
+            if cut is None:
+                self.race.rule_out(Prover.CP_SAT)
+            else:
+                self._nothing_below(cut, below)
+            return True
+        if status != cp_model.OPTIMAL:
+            return False
+        value = self.race.proposed(plan.read(solver.value), round(solver.objective_value))
+        if value is not None:
+            self.race.raise_bound(value, Prover.CP_SAT)
+        return True
 
     @property
     def _may_prove(self) -> bool:

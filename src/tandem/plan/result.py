@@ -143,7 +143,8 @@ class Risk:
     Attributes:
       fixed: when it is carried out as it stands, only the clock giving way.
       replanned: when the rest is planned anew at every event and the schedule is left where that
-        gains; None where that was not asked, or no live decider can hold the cell.
+        gains; None where that was not asked, no live decider can hold the cell, or no time was
+        left.
     """
 
     fixed: Quantiles
