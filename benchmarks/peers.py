@@ -1,7 +1,7 @@
 """The peers that Tandem is held against, given the same cell, the same cores and the same seconds:
-a plain CP-SAT model, and PyJobShop.
+a plain CP-SAT model, PyJobShop, and discrete-optimization of Airbus.
 
-Both minimize the makespan, within a limit on stress where one is given. They model what the
+All minimize the makespan, within a limit on stress where one is given. They model what the
 benchmark cells need: precedence, eligibility, own times, joint tasks, `same_operator`, stress that
 adds up.
 """
@@ -9,7 +9,10 @@ adds up.
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib.metadata import version
+from typing import TYPE_CHECKING
 
 from ortools.sat.python import cp_model
 
@@ -19,6 +22,9 @@ from tandem.plan.method import Progress
 from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
+
+if TYPE_CHECKING:
+    from discrete_optimization.rcpsp.problem import RcpspProblem
 
 
 @dataclass(frozen=True)
@@ -202,6 +208,90 @@ def pyjobshop(
     )
 
 
+def airbus(cell: Cell, seconds: float, workers: int, seed: int = 0, most: int | None = None) -> Run:
+    """discrete-optimization of Airbus, on the same OR-Tools: the cell as a multi-mode project with
+    one unit of each operator, solved by the CP-SAT model that it makes of such projects itself;
+    stress within `most` units is a resource that is used up. Raises ValueError where tasks want
+    the same operator, which such a project cannot say.
+    """
+    from discrete_optimization.generic_tools.callbacks.callback import Callback
+    from discrete_optimization.generic_tools.cp_tools import ParametersCp
+    from discrete_optimization.generic_tools.do_solver import StatusSolver
+    from discrete_optimization.rcpsp.solvers.cpsat_auto import CpSatAutoRcpspSolver
+
+    class Watch(Callback):
+        def on_step_end(self, step: int, res: object, solver: CpSatAutoRcpspSolver) -> None:
+            value = solver.get_current_best_internal_objective_value() / instance.per_second
+            course.append((time.monotonic() - began, value))
+
+    if cell.same_operator:
+        raise ValueError("discrete-optimization: no project says that two tasks want one operator")
+    began = time.monotonic()
+    instance = Instance.of(cell)
+    course: list[tuple[float, float]] = []
+    solver = CpSatAutoRcpspSolver(_as_project(instance, most))
+    solver.init_model()
+    storage = solver.solve(
+        callbacks=[Watch()],
+        time_limit=max(0.1, seconds - (time.monotonic() - began)),
+        parameters_cp=ParametersCp(True, multiprocess=workers > 1, nb_process=workers),
+        ortools_cpsat_solver_kwargs={"random_seed": seed},
+    )
+    wall = time.monotonic() - began
+    if not storage:
+        return Run(None, None, False, wall)
+    found = storage[-1][0]
+    count = len(instance.tasks)
+    schedule = instance.schedule(
+        (found.get_mode(task) - 1, found.get_start_time(task)) for task in range(count)
+    )
+    _must_be_sound(cell, schedule, "discrete-optimization")
+    return Run(
+        found.get_end_time(count + 1) / instance.per_second,
+        solver.get_current_best_internal_objective_bound() / instance.per_second,
+        solver.status_solver is StatusSolver.OPTIMAL,
+        wall,
+        tuple(course),
+        schedule,
+    )
+
+
+def _as_project(instance: Instance, most: int | None) -> RcpspProblem:
+    """Tasks 0..n-1 with a mode for each way, numbered from 1, then a source n and a sink n + 1."""
+    from discrete_optimization.rcpsp.problem import RcpspProblem
+
+    count = len(instance.tasks)
+    source, sink = count, count + 1
+    people = range(len(instance.operators))
+    used_up = {} if most is None else {"stress": most}
+    nothing = {"duration": 0, **dict.fromkeys((*people, *used_up), 0)}
+    modes = {source: {1: nothing}, sink: {1: nothing}}
+    after: dict[int, list[int]] = {source: list(range(count)), sink: []}
+    for task, ways in enumerate(instance.ways):
+        after[task] = [sink]
+        modes[task] = {
+            number: {
+                **nothing,
+                "duration": way.ticks,
+                **dict.fromkeys(way.operators, 1),
+                **dict.fromkeys(used_up, way.stress),
+            }
+            for number, way in enumerate(ways, 1)
+        }
+    for task, firsts in enumerate(instance.before):
+        for first in firsts:
+            after[first].append(task)
+    return RcpspProblem(
+        resources={**dict.fromkeys(people, 1), **used_up},
+        non_renewable_resources=list(used_up),
+        mode_details=modes,
+        successors=after,
+        horizon=instance.horizon,
+        source_task=source,
+        sink_task=sink,
+    )
+
+
 def _must_be_sound(cell: Cell, schedule: Schedule, solver: str) -> None:
     """A peer's schedule is judged as ours are, so that nobody is credited with what cannot be
     done.
@@ -210,5 +300,18 @@ def _must_be_sound(cell: Cell, schedule: Schedule, solver: str) -> None:
         raise AssertionError(f"{solver}: " + "; ".join(wrong))
 
 
-PEERS = {"tandem": tandem_exact, "cp-sat": plain_cpsat, "pyjobshop": pyjobshop}
+PEERS = {
+    "tandem": tandem_exact,
+    "cp-sat": plain_cpsat,
+    "pyjobshop": pyjobshop,
+    "airbus": airbus,
+}
 """Name -> solver. A further peer is a function and a line here."""
+PACKAGES = {"pyjobshop": "pyjobshop", "airbus": "discrete-optimization"}
+"""Peer -> the package that it is, beside OR-Tools."""
+
+
+def versions(names: Iterable[str]) -> str:
+    """What these solvers are, for the head of a table."""
+    packages = ["ortools", *(PACKAGES[name] for name in names if name in PACKAGES)]
+    return ", ".join(f"{package} {version(package)}" for package in packages)

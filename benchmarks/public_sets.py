@@ -1,5 +1,5 @@
-"""Public benchmark instances: Tandem beside a plain CP-SAT model and PyJobShop at equal seconds,
-next to the best values known.
+"""Public benchmark instances: Tandem beside a plain CP-SAT model, PyJobShop and
+discrete-optimization of Airbus at equal seconds, next to the best values known.
 
     python benchmarks/public_sets.py --data DIR [--sets fjsp_kacem ...] [--limit-per-set 3]
         [--only NAME ...] [--seconds 15] [--peers tandem ...] [-o FILE.csv]
@@ -22,12 +22,11 @@ import os
 import sys
 import time
 from collections.abc import Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 
 sys.path.insert(0, str(Path(__file__).parent))
-from peers import PEERS, Run
+from peers import PEERS, Run, versions
 from tandem.files.load import load
 
 FAMILIES = ("fjsp_", "hrc_")
@@ -141,8 +140,8 @@ def main() -> int:
     except ValueError as error:
         parser.error(f"-o {options.output}: {error}")
     print(
-        f"{options.seconds:g} s, {options.workers} workers, seed {options.seed}, ortools"
-        f" {version('ortools')}, pyjobshop {version('pyjobshop')}; {len(rows)} rows from before",
+        f"{options.seconds:g} s, {options.workers} workers, seed {options.seed},"
+        f" {versions(options.peers)}; {len(rows)} rows from before",
         flush=True,
     )
     try:
