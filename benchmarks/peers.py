@@ -211,8 +211,7 @@ def pyjobshop(
 def airbus(cell: Cell, seconds: float, workers: int, seed: int = 0, most: int | None = None) -> Run:
     """discrete-optimization of Airbus, on the same OR-Tools: the cell as a multi-mode project with
     one unit of each operator, solved by the CP-SAT model that it makes of such projects itself;
-    stress within `most` units is a resource that is used up. Raises ValueError where tasks want
-    the same operator, which such a project cannot say.
+    stress within `most` units is a resource that is used up.
     """
     from discrete_optimization.generic_tools.callbacks.callback import Callback
     from discrete_optimization.generic_tools.cp_tools import ParametersCp
@@ -224,8 +223,6 @@ def airbus(cell: Cell, seconds: float, workers: int, seed: int = 0, most: int | 
             value = solver.get_current_best_internal_objective_value() / instance.per_second
             course.append((time.monotonic() - began, value))
 
-    if cell.same_operator:
-        raise ValueError("discrete-optimization: no project says that two tasks want one operator")
     began = time.monotonic()
     instance = Instance.of(cell)
     course: list[tuple[float, float]] = []
@@ -257,8 +254,14 @@ def airbus(cell: Cell, seconds: float, workers: int, seed: int = 0, most: int | 
 
 
 def _as_project(instance: Instance, most: int | None) -> RcpspProblem:
-    """Tasks 0..n-1 with a mode for each way, numbered from 1, then a source n and a sink n + 1."""
+    """Tasks 0..n-1 with a mode for each way, numbered from 1, then a source n and a sink n + 1.
+    Tasks that want the same operator are to have modes of the same score, which is their team.
+    """
     from discrete_optimization.rcpsp.problem import RcpspProblem
+    from discrete_optimization.rcpsp.special_constraints import (
+        PairModeConstraint,
+        SpecialConstraintsDescription,
+    )
 
     count = len(instance.tasks)
     source, sink = count, count + 1
@@ -281,7 +284,20 @@ def _as_project(instance: Instance, most: int | None) -> RcpspProblem:
     for task, firsts in enumerate(instance.before):
         for first in firsts:
             after[first].append(task)
+    together = None
+    if instance.same_operator:
+        teams: dict[tuple[int, ...], int] = {}
+        scores = {
+            (task, number): teams.setdefault(way.operators, len(teams))
+            for task in {task for pair in instance.same_operator for task in pair}
+            for number, way in enumerate(instance.ways[task], 1)
+        }
+        pairs = set(instance.same_operator)
+        together = SpecialConstraintsDescription(
+            pair_mode_constraint=PairModeConstraint(same_score_mode=pairs, score_mode=scores)
+        )
     return RcpspProblem(
+        special_constraints=together,
         resources={**dict.fromkeys(people, 1), **used_up},
         non_renewable_resources=list(used_up),
         mode_details=modes,

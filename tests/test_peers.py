@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import importlib
 import sys
+from itertools import combinations
 from pathlib import Path
 
 import pytest
 
 from tandem.files.generators import layered
+from tandem.files.validate import cell_of
 from tandem.plan.instance import Instance
 from tandem.plan.methods import plan
 from tandem.schedule.measures import makespan, stress
@@ -37,6 +39,19 @@ def test_a_peer_proves_the_quickest_schedule_of_a_small_cell(name: str, seed: in
     assert run.proven
     assert run.makespan == run.bound == plan(cell, minimize="makespan")[0].makespan
     assert makespan(run.schedule) == run.makespan
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_a_peer_leaves_two_tasks_to_one_operator(name: str) -> None:
+    peer, data = _peer(name), layered(7, 2, 1, seed=5).to_dict()
+    tasks = {task: set(told["time"]) for task, told in data["tasks"].items()}
+    pair = next(
+        [one, two] for one, two in combinations(tasks, 2) if len(tasks[one] & tasks[two]) > 1
+    )
+    cell = cell_of({**data, "same_operator": [pair]})
+    run = peer(cell, 60, 1)
+    assert run.proven
+    assert run.makespan == plan(cell, minimize="makespan")[0].makespan
 
 
 @pytest.mark.parametrize("name", PACKAGES)

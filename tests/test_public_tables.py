@@ -1,15 +1,18 @@
-"""The table of public sets in the docs is what the committed runs say."""
+"""The tables of the planner and its peers in the docs are what the committed runs say."""
 
 from __future__ import annotations
 
+import json
 import sys
+from itertools import product
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "benchmarks"))
-import public_sets  # noqa: E402  the command that made them
+import public_sets  # noqa: E402  the commands that made them
+import scaling  # noqa: E402  likewise
 
 DOCS = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8").splitlines()
 RESULTS = ROOT / "benchmarks" / "results"
@@ -18,6 +21,7 @@ ROWS, LONG, BATTERY = (
     for name in ("sample", "sample_30s", "battery")
 )
 SOLVERS = ("tandem", "cp-sat", "pyjobshop")
+ALL = (*SOLVERS, "airbus")
 
 
 def _told(rows: list[public_sets.Row], name: str, solver: str) -> str:
@@ -31,7 +35,7 @@ def _told(rows: list[public_sets.Row], name: str, solver: str) -> str:
 
 @pytest.mark.parametrize("name", sorted({row.set for row in ROWS}))
 def test_each_set_of_the_sample_stands_in_the_docs_as_it_was_measured(name: str) -> None:
-    assert f"| {name} | {' | '.join(_told(ROWS, name, solver) for solver in SOLVERS)} |" in DOCS
+    assert f"| {name} | {' | '.join(_told(ROWS, name, solver) for solver in ALL)} |" in DOCS
 
 
 @pytest.mark.parametrize("name", sorted({row.set for row in LONG}))
@@ -54,5 +58,40 @@ def test_whole_sets_stand_in_the_docs_as_they_were_measured() -> None:
         count = len({row.instance for row in rows if row.set == name})
         told = [_told(rows, name, solver) for solver in ("tandem", "pyjobshop")]
         assert f"| {name} | {count} | {' | '.join(told)} |" in DOCS
-    rows = public_sets.read(RESULTS / "public_sets_brandimarte_30s.csv")
-    assert any(_told(rows, "fjsp_brandimarte", "tandem") in line for line in DOCS)
+    for short, name in (("brandimarte", "fjsp_brandimarte"), ("dag", "fjsp_dag_birgin")):
+        rows = public_sets.read(RESULTS / f"public_sets_{short}_30s.csv")
+        assert any(f"{_told(rows, name, 'tandem')}" in line for line in DOCS)
+
+
+def test_scaling_stands_in_the_docs_as_it_was_measured() -> None:
+    rows = scaling.read(RESULTS / "scaling.csv")
+    lines = [[cell.strip() for cell in line.split("|")[1:-1]] for line in DOCS]
+    for tasks in {row.tasks for row in rows}:
+        told = next(line for line in lines if line[:2] == [f"{tasks:,}", "4"] and len(line) == 15)
+        for column, (solver, seconds) in enumerate(product(ALL, (1, 10, 30)), 3):
+            mine = [r for r in rows if (r.tasks, r.solver, r.seconds) == (tasks, solver, seconds)]
+            gaps = [100 * row.gap for row in mine if row.gap is not None]
+            if not mine:
+                assert told[column] == ""
+            elif not gaps:
+                assert told[column] == "–"
+            else:
+                mean = sum(gaps) / len(gaps)
+                none = f" ({len(mine) - len(gaps)} none)" if len(gaps) < len(mine) else ""
+                shown = f"{mean:.0f}" if mean >= 100 else f"{mean:.1f}"
+                assert told[column].replace("*", "") == f"{shown} %{none}"
+
+
+def test_fronts_stand_in_the_docs_as_they_were_measured() -> None:
+    document = json.loads((RESULTS / "front_quality.json").read_text(encoding="utf-8"))
+    limits = [f"{seconds:g}" for seconds in document["seconds"]]
+    columns = [(solver, s) for s in limits for solver in ("tandem", "tandem again")]
+    columns += [(solver, s) for solver in ("cp-sat", "pyjobshop") for s in limits]
+    rows = [(row["cell"], row["gap"]) for row in document["rows"]]
+    means = {
+        solver: {s: sum(gap[solver][s] for _, gap in rows) / len(rows) for s in limits}
+        for solver in rows[0][1]
+    }
+    for name, gap in [*rows, ("mean", means)]:
+        told = " | ".join(f"{100 * gap[solver][s]:.1f} %" for solver, s in columns)
+        assert f"| {name} | {told} |" in DOCS
