@@ -47,6 +47,7 @@ from tandem.files import atomic
 from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.files.validate import cell_of
+from tandem.learn.graph.drawing import Drawing
 from tandem.learn.graph.making import Maker
 from tandem.learn.graph.method import by_weights, weights_of_stress
 from tandem.learn.graph.outlook import Outlook
@@ -102,10 +103,10 @@ def by_policy(layout: Layout, samples: int) -> dict[str, float]:
     began = time.process_time()
     maker = Maker.of(shipped(), Outlook.of(layout, 0.0))
     looked = time.process_time()
-    greedy = maker.build()
+    drawing = Drawing.of(maker, np.random.default_rng(0))
+    greedy, _ = drawing.greedy()
     chosen = time.process_time()
-    random = np.random.default_rng(0)
-    drawn = [maker.build(random) for _ in range(samples - 1)]
+    drawn = list(drawing.drawn(samples - 1))
     return {
         "greedy": least([greedy]),
         f"best of {samples}": least([greedy, *drawn]),

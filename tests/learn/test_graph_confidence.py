@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import tandem
 from tandem.cell.model import Cell
 from tandem.cli.root import run as command
 from tandem.files.generators import layered
+from tandem.learn.graph.drawing import Drawing
 from tandem.learn.graph.familiar import FACTS, SEEN, beyond, facts, seen
 from tandem.learn.graph.labels import layout_of
 from tandem.learn.graph.making import Maker
@@ -76,7 +78,7 @@ def test_the_numbers_of_a_cell_are_ratios_or_counts() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_a_chance_is_that_of_the_best_of_the_choices(seed: int) -> None:
     maker = Maker.of(shipped(), Outlook.of(layout(layered(12, seed=seed)), 0.0))
-    state, chance = maker.greedy()
+    state, chance = Drawing.of(maker, np.random.default_rng(0)).greedy()
     alone = maker.build()
     assert state is not None
     assert alone is not None

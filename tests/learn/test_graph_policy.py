@@ -17,7 +17,8 @@ import tandem
 from tandem.cell.model import Cell
 from tandem.files.generators import layered
 from tandem.files.validate import cell_of
-from tandem.learn.graph.candidates import GROUPS, Making, columns, features
+from tandem.learn.graph.candidates import GROUPS, Making, columns, features, sight
+from tandem.learn.graph.drawing import Drawing, Known
 from tandem.learn.graph.labels import (
     Looks,
     cost,
@@ -34,7 +35,7 @@ from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.training_cells import FIRST_SEED, training_cell
 from tandem.learn.graph.weights import SHIPPED, packed, shipped, unpacked, write_weights
 from tandem.plan.instance import Instance
-from tandem.plan.list_scheduling import Layout
+from tandem.plan.list_scheduling import Layout, PartialSchedule
 from tandem.plan.methods import plan
 from tandem.plan.question import Question
 from tandem.schedule.checker import faults
@@ -184,6 +185,73 @@ def test_whatever_it_makes_keeps_the_cell(cell: Cell, seed: int) -> None:
         assert wrong == []
 
 
+@settings(max_examples=60, deadline=None)
+@given(cells(), st.integers(0, 1000), st.sampled_from([0.0, 0.3, 20.0]))
+def test_no_schedule_is_below_the_bounds_of_its_choices(
+    cell: Cell, seed: int, exchange: float
+) -> None:
+    layout = Layout.of(Instance.of(cell))
+    if layout.impossible() or layout.instance.stress_of_set is not None:
+        return
+    seen, random = Outlook.of(layout, exchange), np.random.default_rng(seed)
+    maker, making = Maker.of(drawn_weights(seed), seen), Making.of(seen)
+    units, told = sum(layout.easiest), list[tuple[float, float, float]]()
+    while making.left:
+        choices = making.choices()
+        if not len(choices.rows):
+            return
+        found, at = sight(making, choices), maker.chosen(making, choices, random, 5.0)
+        row = choices.rows[at]
+        worth = found.worth[at] * seen.scale + exchange * units
+        units += seen.harder[row]
+        told.append((found.makespan[at] * seen.scale, units, worth))
+        making.put(int(row), int(choices.starts[at]))
+    makespan, stress = making.state.makespan, making.state.stress
+    assert units == stress
+    for ticks, least, worth in told:
+        assert ticks <= makespan + 0.01
+        assert least <= stress
+        assert worth <= (makespan + exchange * stress) * (1 + 1e-6) + 0.01
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_drawn_to_the_end_it_is_the_optimum(seed: int) -> None:
+    """Nothing is given up that could be better, and what is exhausted ends the drawing."""
+    layout = layout_of(cell := layered(7, 1 + seed % 2, 1, seed=seed))
+    drawing = Drawing.of(Maker.of(drawn_weights(seed), Outlook.of(layout, 0.0)), random_of(seed))
+    made = [state.makespan for state in drawing.drawn(100_000)]
+    assert made == sorted(set(made), reverse=True)
+    best = tandem.plan(cell, minimize="makespan")[0].makespan
+    assert layout.instance.seconds(made[-1]) == best
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_front_that_is_drawn_to_the_end_is_the_exact_one(seed: int) -> None:
+    layout = layout_of(cell := layered(6, 1, 1, seed=seed))
+    maker = Maker.of(drawn_weights(seed), Outlook.of(layout, 0.5))
+    drawing = Drawing(maker, random_of(seed), 2.0, Known(whole=True))
+    starts = [tuple(state.starts()) for state in drawing.drawn(100_000)]
+    assert len(set(starts)) == len(starts)
+    instance = layout.instance
+    found = {(instance.seconds(t), instance.stress(u)) for t, u in drawing.known.points}
+    assert found == set(tandem.plan(cell).points)
+
+
+def test_the_greedy_schedule_is_not_drawn_again() -> None:
+    layout = layout_of(layered(5, 1, 1, seed=2))
+    maker = Maker.of(drawn_weights(), Outlook.of(layout, 0.0))
+    drawing = Drawing(maker, random_of(0), 3.0, Known(whole=True))
+    greedy, chance = drawing.greedy()
+    assert greedy is not None
+    assert greedy.starts() == maker.build().starts()
+    assert 0 < chance <= 1
+    assert all(state.starts() != greedy.starts() for state in drawing.drawn(10_000))
+
+
+def random_of(seed: int) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
 @pytest.mark.parametrize("number", range(6))
 def test_a_schedule_is_retold_to_its_end(number: int) -> None:
     """Each decision has its choice among those that are looked at, and what comes of it is no
@@ -313,12 +381,15 @@ def test_it_repeats_for_a_seed_and_keeps_limits() -> None:
 def test_so_many_schedules_are_drawn_as_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     from tandem.errors import UsageError
 
-    made = list[int]()
-    make = Maker._made
-    monkeypatch.setattr(Maker, "_made", lambda *given: (made.append(1), make(*given))[1])
-    cell, question = layered(6, seed=1), Question(minimize="makespan")
+    made = list[PartialSchedule | None]()
+    looked = list[int]()
+    make, look = Drawing._made, Drawing._seen
+    monkeypatch.setattr(Drawing, "_made", lambda *given: (made.append(make(*given)), made[-1])[1])
+    monkeypatch.setattr(Drawing, "_seen", lambda *given: (looked.append(1), look(*given))[1])
+    cell, question = layered(12, seed=1), Question(minimize="makespan")
     tandem.plan(cell, question, method="learned", samples=5)
-    assert len(made) == 5
+    assert 1 <= sum(state is not None for state in made) <= 5
+    assert 12 < len(looked) <= 6 * 12
     with pytest.raises(UsageError, match=r"samples 5: method 'spt' draws no schedules.*learned"):
         tandem.plan(cell, question, method="spt", samples=5)
     with pytest.raises(UsageError, match=r"samples 0: must be 1 or more"):

@@ -124,10 +124,28 @@ def columns(values: Sequence[int]) -> tuple[int, ...]:
     return (*values, *shares, *(OF_CHOICE + OF_LENGTH + value for value in values))
 
 
-def features(making: Making, choices: Choices) -> Array:
-    """`[K, FEATURES]`, a row for each choice: times in mean task times and as shares of what is
-    left at least, beside the best of the choices.
+class Sight(NamedTuple):
+    """What can be seen of the choices, all in mean task times.
+
+    Attributes:
+      features: `[K, FEATURES]`, times also as shares of what is left at least, beside the best of
+        the choices.
+      makespan, worth: `[K]` what no schedule behind the choice comes below: makespan, and makespan
+        plus what stress is worth, from this step on, above that of the easiest steps.
     """
+
+    features: Array
+    makespan: Array
+    worth: Array
+
+
+def features(making: Making, choices: Choices) -> Array:
+    """`[K, FEATURES]`, a row for each choice, see `Sight`."""
+    return sight(making, choices).features
+
+
+def sight(making: Making, choices: Choices) -> Sight:
+    """What can be seen of the choices."""
     outlook, state = making.outlook, making.state
     steps, operators, rows = outlook.steps, len(outlook.operators), choices.rows
     count, first, group = len(rows), choices.first, choices.group
@@ -197,7 +215,8 @@ def features(making: Making, choices: Choices) -> Array:
     found[-OF_ALL:-MORE] = (lowest - now * MOMENTS)[:, None]
     found[-MORE:] = np.array(more)[:, None]
     np.minimum(found, MOST_RATIO, out=found)
-    return np.maximum(found, -MOST_RATIO, out=found).T
+    np.maximum(found, -MOST_RATIO, out=found)
+    return Sight(found.T, np.maximum(np.maximum(own, alone) - extra, latest), bound)
 
 
 least, most, total = np.minimum.reduce, np.maximum.reduce, np.add.reduce

@@ -101,7 +101,7 @@ def confidence(layout: Layout, chances: Sequence[float]) -> Confidence:
     """How sure the policy is of its choices in the cell, and what in it is new to it.
 
     Args:
-      chances: what the network gives its own choices in each greedy schedule (`Maker.greedy`).
+      chances: what the network gives its own choices in each greedy schedule (`Drawing.greedy`).
     """
     mean = round(float(np.mean(chances)), 4) if chances else None
     return Confidence(mean, beyond(layout))

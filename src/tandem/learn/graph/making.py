@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,60 +49,27 @@ class Maker:
 
     def likes(self, making: Making, choices: Choices) -> Array:
         """`[K]` logits of the choices."""
-        found: Array = scores(
-            np, self.weights, features(making, choices), self.steps.take(choices.rows, 0)
-        )
+        return self.judged(features(making, choices), choices)
+
+    def judged(self, seen: Array, choices: Choices) -> Array:
+        """`[K]` logits of the choices, of which so much is `seen`: `[K, FEATURES]`."""
+        found: Array = scores(np, self.weights, seen, self.steps.take(choices.rows, 0))
         return found
 
     def build(
-        self,
-        random: np.random.Generator | None = None,
-        temperature: float | None = None,
-        *,
-        is_late: Callable[[], bool] = lambda: False,
+        self, random: np.random.Generator | None = None, temperature: float | None = None
     ) -> PartialSchedule | None:
         """A schedule: greedy without `random`, else each choice drawn from the softmax of the
         logits over `temperature`, that of `temperature_of` when None. None when it runs into a
-        limit that leaves a task without a step, and when it `is_late` before it is done.
+        limit that leaves a task without a step. `Drawing` draws many.
         """
-        if random is None:
-            return self.greedy(is_late)[0]
-        heat = temperature_of(len(self.outlook.tasks)) if temperature is None else temperature
-
-        def drawn(making: Making, choices: Choices) -> int:
-            return self.chosen(making, choices, random, heat)
-
-        return self._made(drawn, is_late)
-
-    def greedy(
-        self, is_late: Callable[[], bool] = lambda: False
-    ) -> tuple[PartialSchedule | None, float | None]:
-        """The schedule in which each choice is the one that the network likes best, as `build` has
-        it, and the chance that it gives that choice, mean over the decisions that had another one;
-        None where there was none or the schedule is not done.
-        """
-        chances = list[float]()
-
-        def best(making: Making, choices: Choices) -> int:
-            if len(choices.rows) == 1:
-                return 0
-            likes = self.likes(making, choices).astype(float)
-            at = int(likes.argmax())
-            chances.append(float(1 / np.exp(likes - likes[at]).sum()))
-            return at
-
-        state = self._made(best, is_late)
-        return state, float(np.mean(chances)) if state is not None and chances else None
-
-    def _made(
-        self, chosen: Callable[[Making, Choices], int], is_late: Callable[[], bool]
-    ) -> PartialSchedule | None:
         making = Making.of(self.outlook)
+        heat = temperature_of(len(self.outlook.tasks)) if temperature is None else temperature
         while making.left:
             choices = making.choices()
-            if not len(choices.rows) or is_late():
+            if not len(choices.rows):
                 return None
-            at = chosen(making, choices)
+            at = self.chosen(making, choices, random, heat)
             making.put(int(choices.rows[at]), int(choices.starts[at]))
         return making.state
 
@@ -110,13 +77,15 @@ class Maker:
         self,
         making: Making,
         choices: Choices,
-        random: np.random.Generator,
+        random: np.random.Generator | None,
         temperature: float,
     ) -> int:
-        """Which of the choices is drawn, as in `build`."""
+        """Which of the choices is taken, as in `build`."""
         if len(choices.rows) == 1:
             return 0
         likes = self.likes(making, choices)
+        if random is None:
+            return int(likes.argmax())
         # the largest of logits with Gumbel noise is a draw from their softmax
         return int((likes / temperature + random.gumbel(size=len(likes))).argmax())
 

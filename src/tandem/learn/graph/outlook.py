@@ -231,6 +231,12 @@ class Outlook:
         return self.steps.people[1, list(self.steps.first)]
 
     @cached_property
+    def harder(self) -> Array:
+        """`[S]` units of stress of each step above those of its task's easiest one."""
+        easiest = self.layout.easiest
+        return np.array([step.stress - easiest[task] for task, step in self.step_of], float)
+
+    @cached_property
     def easiest(self) -> tuple[float, ...]:
         """Per task, what the stress of its easiest step is worth in mean task times."""
         return tuple(self.exchange * easy / self.scale for easy in self.layout.easiest)
