@@ -15,7 +15,7 @@ import argparse
 import sys
 import time
 from collections.abc import Iterable
-from itertools import pairwise, product
+from itertools import combinations, pairwise, product
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -25,7 +25,15 @@ from ortools.sat.python import cp_model
 sys.path.insert(0, str(Path(__file__).parent))
 from archive import SETS, Entry, entries, unpacked
 from tandem.cell.model import Cell
-from tandem.plan.cpsat import IMPLIED, RULES, Decisions, Rule, closure, formulate
+from tandem.plan.cpsat import (
+    IMPLIED,
+    RULES,
+    Decisions,
+    Rule,
+    an_operator_does_one_thing_at_a_time,
+    closure,
+    formulate,
+)
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.rules import SPECS, build
@@ -128,6 +136,48 @@ def all_before_the_end(plan: Decisions) -> None:
         plan.model.add(end <= plan.makespan)
 
 
+def in_pairs(plan: Decisions) -> None:
+    """Instead of optional intervals that do not overlap: of two tasks that may have an operator in
+    common one ends before the other begins, whenever both are given to that operator.
+    """
+    instance, model = plan.instance, plan.model
+    above = closure(instance.before, instance.order)
+    for one, other in combinations(range(len(instance.tasks)), 2):
+        if one in above[other] or other in above[one]:
+            continue
+        first = None
+        for operator in range(len(instance.operators)):
+            for x, y in product(plan.does(one, operator), plan.does(other, operator)):
+                first = model.new_bool_var("") if first is None else first
+                begins, ends = plan.start, plan.end
+                model.add(ends[one] <= begins[other]).only_enforce_if([x, y, first])
+                model.add(ends[other] <= begins[one]).only_enforce_if([x, y, ~first])
+
+
+def always_there(plan: Decisions) -> None:
+    """Instead of optional intervals: each operator has one for every task, of no length and
+    wherever it likes when somebody else does the task.
+    """
+    model = plan.model
+    for operator in range(len(plan.instance.operators)):
+        spans = []
+        for task, ways in enumerate(plan.instance.ways):
+            mine = [
+                (way.ticks, x)
+                for way, x in zip(ways, plan.chosen[task], strict=True)
+                if operator in way.operators
+            ]
+            if not mine:
+                continue
+            begin, end = (model.new_int_var(0, plan.upper, "") for _ in range(2))
+            length = model.new_int_var(0, max(ticks for ticks, _ in mine), "")
+            model.add(length == sum(ticks * x for ticks, x in mine))
+            for _, x in mine:
+                model.add(begin == plan.start[task]).only_enforce_if(x)
+            spans.append(model.new_interval_var(begin, length, end, ""))
+        model.add_no_overlap(spans)
+
+
 def _work(plan: Decisions, operator: int, tasks: Iterable[int]) -> cp_model.LinearExprT:
     return sum(
         way.ticks * x
@@ -138,12 +188,15 @@ def _work(plan: Decisions, operator: int, tasks: Iterable[int]) -> cp_model.Line
 
 
 PLAIN = tuple(rule for rule in RULES if rule not in IMPLIED)
+NO_INTERVALS = tuple(rule for rule in PLAIN if rule is not an_operator_does_one_thing_at_a_time)
 MODELS: dict[str, tuple[tuple[Rule, ...], int | None]] = {
     "plain": (PLAIN, None),
     "plain-ends": (PLAIN, None),
     "plain-ends-cut": (PLAIN, 0),
     "plain-ends-tied": ((*PLAIN, tied), None),
     "plain-ends-all": ((*PLAIN, all_before_the_end), None),
+    "plain-ends-pairs": ((*NO_INTERVALS, in_pairs), None),
+    "plain-ends-always": ((*NO_INTERVALS, always_there), None),
     "plain-cut": (PLAIN, 0),
     "plain-below": (PLAIN, -1),
     "plain-windows": ((*PLAIN, windows), None),
@@ -162,7 +215,8 @@ MODELS: dict[str, tuple[tuple[Rule, ...], int | None]] = {
 }
 """Name -> the rules of the model; how far beyond the incumbent a schedule may last, in ticks (None:
 to the horizon). With `ends` in the name the ends of tasks are variables of their own. Where the
-incumbent is in the model it is a hint. `alike` may leave it out, and has another one of the same
+incumbent is in the model it is a hint. `pairs` and `always` know no breaks, walks or changes of
+tools. `alike` may leave it out, and has another one of the same
 makespan.
 """
 PARAMETERS: dict[str, dict[str, Any]] = {
