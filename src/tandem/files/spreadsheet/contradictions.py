@@ -76,6 +76,8 @@ def ask_about_contradictions(table: Table, rows: list[int], findings: Findings) 
     """Faults for the columns that contradict what was read of the rows."""
     for column in table.columns:
         what = column.meaning
+        if what is not None and what.what != "ignore" and not what.told:
+            findings.sound(table.grid, table.header_row, column.index)
         if not column.header or (what is not None and (what.what != "ignore" or what.told)):
             continue
         if what is None:

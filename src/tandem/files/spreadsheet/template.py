@@ -32,6 +32,7 @@ from tandem.files.spreadsheet.form import (
 from tandem.files.spreadsheet.outline import LEADING
 from tandem.files.spreadsheet.references import unquoted
 from tandem.files.spreadsheet.rows import is_total
+from tandem.files.spreadsheet.struck import odd_marks
 from tandem.files.spreadsheet.vocabulary import Meaning, meaning, own_tool
 from tandem.files.spreadsheet.waits import waits_text
 from tandem.files.spreadsheet.walking import rows_of
@@ -427,13 +428,14 @@ def _spelled(name: str) -> str:
 
 def _looks_like_no_task(name: str, task: Task, code: str, above: set[str]) -> bool:
     """A row that an import would take for a total or for the head of a group of tasks, or a name
-    that is in quotes itself.
+    that is in quotes itself or looks struck through.
     """
     return (
         is_total(name)
         or is_total(task.label or "")
         or code.rstrip(".") in above
         or unquoted(name) != name
+        or odd_marks(name) is not None
     )
 
 
