@@ -44,6 +44,7 @@ from tandem.files.spreadsheet.repeats import once_a_column
 from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.said import enumerated, say
 from tandem.files.spreadsheet.scores import AGGREGATES, without_scores
+from tandem.files.spreadsheet.stand_ins import ask_about_stand_ins
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.files.spreadsheet.values import marks_of
 from tandem.files.spreadsheet.vocabulary import (
@@ -184,7 +185,9 @@ def read_book(
     raw = with_joint_ways(with_precedence(with_outline(raw), findings), known, findings)
     table = settled(raw, tuple(beside.operators), findings)
     ask_which_condition(table, known, findings)
-    ask_about_contradictions(table, task_rows(table, Findings()), findings)
+    rows = task_rows(table, Findings())
+    ask_about_contradictions(table, rows, findings)
+    ask_about_stand_ins(table, rows, findings)
     others = _other_sheets(
         book, [table.grid.name, *(able.grid.name for able in abilities)], table, findings
     )

@@ -32,6 +32,7 @@ from tandem.files.spreadsheet.form import (
 from tandem.files.spreadsheet.outline import LEADING
 from tandem.files.spreadsheet.references import unquoted
 from tandem.files.spreadsheet.rows import is_total
+from tandem.files.spreadsheet.stand_ins import looks_like_a_stand_in
 from tandem.files.spreadsheet.struck import odd_marks
 from tandem.files.spreadsheet.vocabulary import Meaning, meaning, own_tool
 from tandem.files.spreadsheet.waits import waits_text
@@ -210,7 +211,12 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
         fields.append(Field(words["part"], lambda name, task: task.part, "", 18))
     for who in cell.operators:
         fields.append(
-            Field(_headed(words["time"], "time", (who,), cell), _entry("time", who), "number", 16)
+            Field(
+                _headed(words["time"], "time", (who,), cell),
+                _beyond_doubt(_entry("time", who)),
+                "number",
+                16,
+            )
         )
     groups = list(
         {
@@ -221,7 +227,12 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
     )[::-1]
     for group in groups:
         fields.append(
-            Field(_headed(words["time"], "time", group, cell), _joint_time(group), "number", 22)
+            Field(
+                _headed(words["time"], "time", group, cell),
+                _beyond_doubt(_joint_time(group)),
+                "number",
+                22,
+            )
         )
     fields += _stress_fields(cell, words, groups, every)
     fields.append(Field(words["after"], lambda name, task: _list(task.after), "text", 20))
@@ -337,6 +348,17 @@ def _value(key: str) -> Callable[[str, Task], Any]:
 def _entry(key: str, who: str) -> Callable[[str, Task], Any]:
     """Reads an operator's entry in a table of a task; None when it has none."""
     return lambda name, task: getattr(task, key).get(who)
+
+
+def _beyond_doubt(of: Callable[[str, Task], Any]) -> Callable[[str, Task], Any]:
+    """Times with their unit behind them where the bare number would be taken for "cannot"."""
+
+    def time(name: str, task: Task) -> Any:
+        seconds = of(name, task)
+        bare = "" if seconds is None else f"{seconds:.15g}"
+        return f"{bare} s" if looks_like_a_stand_in(bare) else seconds
+
+    return time
 
 
 def _share(key: str, who: str) -> Callable[[str, Task], Any]:
