@@ -193,6 +193,68 @@ def test_the_only_times_of_somebody_are_not_left_out_in_a_note(tmp_path: Path) -
     assert list(cell.operators) == ["human", "Robot"]
 
 
+# --- a line that says another unit ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "unit"),
+    [
+        ("all times in min", "min"),
+        ("Zeiten in Minuten", "min"),
+        ("Unit: min", "min"),
+        ("Alle Angaben in HM", "1/100 min"),
+        ("* all times in TMU", "TMU"),
+    ],
+)
+@pytest.mark.parametrize("below", [False, True])
+def test_a_line_with_another_unit_than_the_headers_is_asked_about(
+    line: str, unit: str, below: bool, tmp_path: Path
+) -> None:
+    rows = [TIMES, *WORK, [], [line]] if below else [[line], [], TIMES, *WORK]
+    path = sheet(tmp_path / "plan.xlsx", rows)
+    ((place, message),) = refused(path)
+    assert place == ("C1" if below else "C3")
+    where = "Sheet1!A5" if below else "Sheet1!A1"
+    assert message == (
+        f"'Human [s]', 'Robot [s]': [s] stands here, and {line!r} ({where}) says {unit}. Mend the"
+        ' one that is wrong, or say the unit of the column with --map "C=time Human [s]".'
+    )
+    told = {"C": "time Human [s]", "D": "time Robot [s]"}
+    assert import_cell(path, columns=told)[0].tasks["1"].time == {"Human": 10, "Robot": 12}
+
+
+def test_only_the_columns_that_a_line_contradicts_are_named(tmp_path: Path) -> None:
+    header = ["No", "Task", "Human [min]", "Robot [s]", "Pred"]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", [["Times in min"], header, *WORK]))
+    assert (place, message.startswith("'Robot [s]': [s] stands here")) == ("D2", True)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "all times in seconds",
+        "Zeiten in s",
+        "Cycle time in min: 2",
+        "Taktzeit 2 min",
+        "Schicht: 480 min",
+    ],
+)
+def test_a_line_that_agrees_or_speaks_of_something_else_is_no_contradiction(
+    line: str, tmp_path: Path
+) -> None:
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", [[line], TIMES, *WORK]))
+    assert cell.tasks["1"].time == {"Human": 10, "Robot": 12}
+
+
+def test_a_line_about_the_times_of_one_says_nothing_of_those_of_others(tmp_path: Path) -> None:
+    header = ["No", "Task", "Human [s]", "Robot [min]", "Pred"]
+    rows = [["Roboterzeiten in min (Simulation)"], header, *WORK]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["1"].time == {"Human": 10, "Robot": 720}
+    rows[0][0] = "Roboterzeiten in s"
+    assert [place for place, _ in refused(sheet(tmp_path / "plan.xlsx", rows))] == ["D2"]
+
+
 # --- columns that contradict ----------------------------------------------------------------------
 
 

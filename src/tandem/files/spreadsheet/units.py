@@ -87,8 +87,8 @@ def _looks_like_a_unit(text: str) -> bool:
 
 
 def unit_said(grid: Grid, header_row: int, first_row: int, counted: bool) -> tuple[str | None, str]:
-    """The unit of all times and "", or None and why nothing may be assumed: two lines contradict
-    each other, or one names a unit of something.
+    """The unit of all times and the line that states it, or None and why nothing may be assumed:
+    two lines contradict each other, or one names a unit of something; "" where no line does.
 
     Args:
       counted: a column says how many pieces a task has, so that a line must not leave open whether
@@ -108,7 +108,7 @@ def unit_said(grid: Grid, header_row: int, first_row: int, counted: bool) -> tup
             elif row < header_row:
                 named.setdefault(unit, f"{text!r} ({place})")
     if len(stated) == 1:
-        return next(iter(stated)), ""
+        return next(iter(stated.items()))
     if stated or set(named) - {"s"}:
         return None, " and ".join((stated or named).values())
     return None, ""
