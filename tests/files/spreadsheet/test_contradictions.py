@@ -255,6 +255,120 @@ def test_a_line_about_the_times_of_one_says_nothing_of_those_of_others(tmp_path:
     assert [place for place, _ in refused(sheet(tmp_path / "plan.xlsx", rows))] == ["D2"]
 
 
+# --- columns of several stations ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("headers", "stations"),
+    [
+        (["Station 1 Human", "Station 2 Human", "Station 1 Robot"], "Station 1, Station 2"),
+        (["Mensch Station A", "Roboter Station A", "Mensch Station B"], "Station A, Station B"),
+        (["AP10 Werker", "AP20 Werker", "AP20 Cobot"], "AP 10, AP 20"),
+        (["Arbeitsplatz 3 Werker", "Cobot", "Arbeitsplatz 4 Werker"], "Arbeitsplatz 3, Arbeitspl"),
+        (["ST1 Cobot", "Anna ST1", "Bert ST2"], "ST 1, ST 2"),
+    ],
+)
+def test_times_at_several_stations_are_no_operators_of_one_cell(
+    headers: list[str], stations: str, tmp_path: Path
+) -> None:
+    rows = [["Task", *(f"{name} [s]" for name in headers)], ["a", 8, 9, 7], ["b", None, None, 6]]
+    faults = refused(sheet(tmp_path / "plan.xlsx", rows))
+    (message,) = [message for _, message in faults if "as one cell" in message]
+    assert f"the tasks of {stations}" in message
+    assert "=ignore" in message
+
+
+def test_stations_over_the_operators_are_asked_about_and_can_be_told(tmp_path: Path) -> None:
+    rows = [
+        [None, "Station 1", None, "Station 2"],
+        ["Task", "Human [s]", "Robot [s]", "Human [s]"],
+        ["a", 8, 10, None],
+        ["b", 7, None, 9],
+    ]
+    path = sheet(tmp_path / "plan.xlsx", rows, merged=["B1:C1"])
+    ((place, message),) = refused(path)
+    assert (place, '--human "Station 2 Human"' in message) == ("D2", True)
+    assert len(import_cell(path, humans=["Station 2 Human"])[0].operators) == 3
+    alone, _ = import_cell(path, columns={"D": "ignore"})
+    assert alone.tasks["a"].time == {"Human": 8, "Robot": 10}
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [["Station 1 Human", "Station 1 Robot"], ["Human 1", "Human 2"], ["Stanley 1", "Human 2"]],
+)
+def test_one_station_and_people_by_number_are_one_cell(headers: list[str], tmp_path: Path) -> None:
+    rows = [["Task", *(f"{name} [s]" for name in headers)], ["a", 8, 9]]
+    cell, _ = import_cell(
+        sheet(tmp_path / "plan.xlsx", rows), humans=["Stanley 1"] * ("Stanley 1" in headers)
+    )
+    assert list(cell.operators) == headers
+
+
+# --- rows that are no work ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("Pause", "a break"),
+        ("Break 10 min", "a break"),
+        ("Mittagspause", "a break"),
+        ("Coffee break", "a break"),
+        ("Lunch", "a break"),
+        ("Rüstzeit", "getting ready"),
+        ("Rüsten", "getting ready"),
+        ("Setup (per lot)", "getting ready"),
+        ("Changeover", "getting ready"),
+        ("Summe", "a total or a figure"),
+        ("Verteilzeit 8 %", "a total or a figure"),
+        ("Allowance", "a total or a figure"),
+        ("Taktzeit", "a total or a figure"),
+    ],
+)
+def test_rows_that_are_numbered_on_and_no_work_are_asked_about(
+    name: str, says: str, tmp_path: Path
+) -> None:
+    rows = [TIMES, *WORK, [3, name, 30, None, None]]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", rows))
+    assert place == "A4"
+    assert f"{name!r} reads like {says}" in message
+    assert message.endswith("""write '3' in double quotes: "3".""")
+    rows[-1][0] = '"3"'
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["3"].label == name
+
+
+def test_a_break_is_asked_about_wherever_it_stands(tmp_path: Path) -> None:
+    """As a task, the robot could take it while the human works on."""
+    rows = [["Task", "Human [s]", "Robot [s]", "Pred"], ["a", 8, 9, None]]
+    rows += [["Pause", 300, 300, "a"], ["b", 8, 9, "Pause"]]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", rows))
+    assert (place, "'breaks', such as 300-600" in message) == ("A3", True)
+    rows[2][0] = '"Pause"'
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["b"].after == ("Pause",)
+
+
+def test_getting_ready_within_the_sequence_is_a_task_and_a_note(tmp_path: Path) -> None:
+    rows = [TIMES, [1, "Rüsten", 10, 12, None], [2, "b", 11, 13, 1]]
+    cell, notes = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert list(cell.tasks) == ["1", "2"]
+    (said,) = [note.said for note in notes if "every product" in note.message]
+    assert said.sentence("de").startswith("'Rüsten' wird als Vorgang jedes Stücks geplant")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["Break edges", "Set up housing", "Pausentaste prüfen", "Prepare setup", "Rest", "Change tip"],
+)
+def test_work_with_such_a_word_in_its_name_is_work(name: str, tmp_path: Path) -> None:
+    rows = [TIMES, *WORK, [3, name, 30, None, None]]
+    cell, notes = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["3"].label == name
+    assert not any("every product" in note.message for note in notes)
+
+
 # --- columns that contradict ----------------------------------------------------------------------
 
 

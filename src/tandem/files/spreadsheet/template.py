@@ -29,6 +29,7 @@ from tandem.files.spreadsheet.form import (
     Language,
     OperatorColumn,
 )
+from tandem.files.spreadsheet.no_work import reads_like_no_work
 from tandem.files.spreadsheet.outline import LEADING
 from tandem.files.spreadsheet.references import unquoted
 from tandem.files.spreadsheet.rows import is_total
@@ -449,12 +450,13 @@ def _spelled(name: str) -> str:
 
 
 def _looks_like_no_task(name: str, task: Task, code: str, above: set[str]) -> bool:
-    """A row that an import would take for a total or for the head of a group of tasks, or a name
-    that is in quotes itself or looks struck through.
+    """A row that an import would take for a total, a break or the head of a group of tasks, or a
+    name that is in quotes itself or looks struck through.
     """
     return (
         is_total(name)
         or is_total(task.label or "")
+        or reads_like_no_work(task.label or name, numbered=bool(task.label)) is not None
         or code.rstrip(".") in above
         or unquoted(name) != name
         or odd_marks(name) is not None
