@@ -255,6 +255,48 @@ def test_a_line_about_the_times_of_one_says_nothing_of_those_of_others(tmp_path:
     assert [place for place, _ in refused(sheet(tmp_path / "plan.xlsx", rows))] == ["D2"]
 
 
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("Zeiten je Los in s", "je Los"),
+        ("Zeiten für 10 Stück", "für 10 Stück"),
+        ("Times for 5 units [s]", "for 5 units"),
+        ("All times per batch", "per batch"),
+        ("Zeiten bei 50 % Geschwindigkeit", "50 % Geschwindigkeit"),
+        ("times x 1000", "x 1000"),
+    ],
+)
+def test_a_line_that_makes_the_times_those_of_other_work_is_asked_about(
+    line: str, words: str, tmp_path: Path
+) -> None:
+    path = sheet(tmp_path / "plan.xlsx", [[line], TIMES, *WORK])
+    ((place, message),) = refused(path)
+    assert (place, message.startswith(f"{line!r} (Sheet1!A1) speaks of times {words!r}")) == (
+        "C2",
+        True,
+    )
+    told = {"C": "time Human [s]", "D": "time Robot [s]"}
+    assert import_cell(path, columns=told)[0].tasks["1"].time == {"Human": 10, "Robot": 12}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Zeiten je Stück in s",
+        "Times per product",
+        "Zeiten bei 100 % Geschwindigkeit",
+        "Zeiten inkl. 10 % Verteilzeit",
+        "Losgröße 10",
+        "Zeiten pro Zyklus",
+        "Zeitaufnahme 3 x 10 Zyklen",
+        "Zeiten: Mittel aus je 10 Messungen",
+    ],
+)
+def test_a_line_that_does_no_such_thing(line: str, tmp_path: Path) -> None:
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", [[line], TIMES, *WORK]))
+    assert cell.tasks["1"].time == {"Human": 10, "Robot": 12}
+
+
 # --- columns of several stations ------------------------------------------------------------------
 
 
@@ -337,6 +379,32 @@ def test_rows_that_are_numbered_on_and_no_work_are_asked_about(
     rows[-1][0] = '"3"'
     cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
     assert cell.tasks["3"].label == name
+
+
+def test_a_name_like_a_total_with_work_below_it_is_work(tmp_path: Path) -> None:
+    rows = [TIMES, [1, "Summe", 3, 4, None], [2, "b", 11, 13, None]]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["1"].label == "Summe"
+
+
+@pytest.mark.parametrize("name", ["Aushärten", "Warten / Abkühlen", "Curing (oven)", "Trocknen"])
+def test_waiting_that_is_listed_as_work_is_a_note(name: str, tmp_path: Path) -> None:
+    rows = [TIMES, *WORK, [3, name, 600, None, 2]]
+    _, notes = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    (said,) = [note.said for note in notes if "is busy all the time" in note.message]
+    assert said.sentence("de").startswith(f"{name!r} wird als Arbeit geplant")
+
+
+def test_work_that_is_not_done_each_time_is_a_note(tmp_path: Path) -> None:
+    rows = [TIMES, [1, "a (optional)", 3, 4, None], [2, "Prüfen, jedes 10. Teil", 1, 3, 1]]
+    rows += [[3, "Warenprobe", 1, 2, None], [4, "Wartung", 1, 2, None]]
+    _, notes = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    told = [note.message for note in notes if "in every product" in note.message]
+    assert told == [
+        "planned in every product, whatever their names say of when they are done:"
+        " 'a (optional)', 'Prüfen, jedes 10. Teil'."
+    ]
+    assert not any("busy all the time" in note.message for note in notes)
 
 
 def test_a_break_is_asked_about_wherever_it_stands(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import blank, letters, tidy
 from tandem.files.spreadsheet.header import TIMED, Column, Table
 from tandem.files.spreadsheet.said import say
-from tandem.files.spreadsheet.units import unclear_unit
+from tandem.files.spreadsheet.units import other_work_said, unclear_unit
 from tandem.files.spreadsheet.values import (
     UnreadableError,
     cannot,
@@ -50,6 +50,7 @@ def say_units(table: Table, columns: list[Column], rows: list[int], findings: Fi
     for column in timed:
         _refuse_an_unclear_unit(column, findings)
     _refuse_a_line_that_contradicts(table, timed, findings)
+    _refuse_a_line_of_other_work(table, timed, findings)
     _refuse_a_column_of_units(table, columns, timed, rows, findings)
     for column in timed:
         _note_units_of_cells(table, column, rows, findings)
@@ -127,6 +128,22 @@ def _refuse_a_line_that_contradicts(table: Table, timed: list[Column], findings:
             f" {table.unit_line} says {table.unit}. Mend the one that is wrong, or say the unit of"
             f' the column with --map "{told} [{unit}]".',
             columns[0].place,
+        )
+
+
+def _refuse_a_line_of_other_work(table: Table, timed: list[Column], findings: Findings) -> None:
+    """ "Zeiten je Los" above the table: its times are not those of a task."""
+    line, words = other_work_said(table.grid, table.header_row, table.first_row)
+    columns = [c for c in timed if c.meaning and c.meaning.what == "time" and not c.meaning.told]
+    if line and columns:
+        first = columns[0]
+        who = " + ".join(first.meaning.who) if first.meaning else ""
+        told = " ".join(filter(None, (f"{first.letter}=time", who)))
+        findings.fault(
+            f"{line} speaks of times {words!r}, and a plan needs those of the task as it will be"
+            " done. Write these into the columns and take the line out, or say of each column"
+            f' that it holds them: --map "{told} [s]".',
+            first.place,
         )
 
 
