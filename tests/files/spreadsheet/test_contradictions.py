@@ -193,6 +193,250 @@ def test_the_only_times_of_somebody_are_not_left_out_in_a_note(tmp_path: Path) -
     assert list(cell.operators) == ["human", "Robot"]
 
 
+# --- a line that says another unit ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "unit"),
+    [
+        ("all times in min", "min"),
+        ("Zeiten in Minuten", "min"),
+        ("Unit: min", "min"),
+        ("Alle Angaben in HM", "1/100 min"),
+        ("* all times in TMU", "TMU"),
+    ],
+)
+@pytest.mark.parametrize("below", [False, True])
+def test_a_line_with_another_unit_than_the_headers_is_asked_about(
+    line: str, unit: str, below: bool, tmp_path: Path
+) -> None:
+    rows = [TIMES, *WORK, [], [line]] if below else [[line], [], TIMES, *WORK]
+    path = sheet(tmp_path / "plan.xlsx", rows)
+    ((place, message),) = refused(path)
+    assert place == ("C1" if below else "C3")
+    where = "Sheet1!A5" if below else "Sheet1!A1"
+    assert message == (
+        f"'Human [s]', 'Robot [s]': [s] stands here, and {line!r} ({where}) says {unit}. Mend the"
+        ' one that is wrong, or say the unit of the column with --map "C=time Human [s]".'
+    )
+    told = {"C": "time Human [s]", "D": "time Robot [s]"}
+    assert import_cell(path, columns=told)[0].tasks["1"].time == {"Human": 10, "Robot": 12}
+
+
+def test_only_the_columns_that_a_line_contradicts_are_named(tmp_path: Path) -> None:
+    header = ["No", "Task", "Human [min]", "Robot [s]", "Pred"]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", [["Times in min"], header, *WORK]))
+    assert (place, message.startswith("'Robot [s]': [s] stands here")) == ("D2", True)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "all times in seconds",
+        "Zeiten in s",
+        "Cycle time in min: 2",
+        "Taktzeit 2 min",
+        "Schicht: 480 min",
+    ],
+)
+def test_a_line_that_agrees_or_speaks_of_something_else_is_no_contradiction(
+    line: str, tmp_path: Path
+) -> None:
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", [[line], TIMES, *WORK]))
+    assert cell.tasks["1"].time == {"Human": 10, "Robot": 12}
+
+
+def test_a_line_about_the_times_of_one_says_nothing_of_those_of_others(tmp_path: Path) -> None:
+    header = ["No", "Task", "Human [s]", "Robot [min]", "Pred"]
+    rows = [["Roboterzeiten in min (Simulation)"], header, *WORK]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["1"].time == {"Human": 10, "Robot": 720}
+    rows[0][0] = "Roboterzeiten in s"
+    assert [place for place, _ in refused(sheet(tmp_path / "plan.xlsx", rows))] == ["D2"]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("Zeiten je Los in s", "je Los"),
+        ("Zeiten für 10 Stück", "für 10 Stück"),
+        ("Times for 5 units [s]", "for 5 units"),
+        ("All times per batch", "per batch"),
+        ("Zeiten bei 50 % Geschwindigkeit", "50 % Geschwindigkeit"),
+        ("times x 1000", "x 1000"),
+    ],
+)
+def test_a_line_that_makes_the_times_those_of_other_work_is_asked_about(
+    line: str, words: str, tmp_path: Path
+) -> None:
+    path = sheet(tmp_path / "plan.xlsx", [[line], TIMES, *WORK])
+    ((place, message),) = refused(path)
+    assert (place, message.startswith(f"{line!r} (Sheet1!A1) speaks of times {words!r}")) == (
+        "C2",
+        True,
+    )
+    told = {"C": "time Human [s]", "D": "time Robot [s]"}
+    assert import_cell(path, columns=told)[0].tasks["1"].time == {"Human": 10, "Robot": 12}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Zeiten je Stück in s",
+        "Times per product",
+        "Zeiten bei 100 % Geschwindigkeit",
+        "Zeiten inkl. 10 % Verteilzeit",
+        "Losgröße 10",
+        "Zeiten pro Zyklus",
+        "Zeitaufnahme 3 x 10 Zyklen",
+        "Zeiten: Mittel aus je 10 Messungen",
+    ],
+)
+def test_a_line_that_does_no_such_thing(line: str, tmp_path: Path) -> None:
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", [[line], TIMES, *WORK]))
+    assert cell.tasks["1"].time == {"Human": 10, "Robot": 12}
+
+
+# --- columns of several stations ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("headers", "stations"),
+    [
+        (["Station 1 Human", "Station 2 Human", "Station 1 Robot"], "Station 1, Station 2"),
+        (["Mensch Station A", "Roboter Station A", "Mensch Station B"], "Station A, Station B"),
+        (["AP10 Werker", "AP20 Werker", "AP20 Cobot"], "AP 10, AP 20"),
+        (["Arbeitsplatz 3 Werker", "Cobot", "Arbeitsplatz 4 Werker"], "Arbeitsplatz 3, Arbeitspl"),
+        (["ST1 Cobot", "Anna ST1", "Bert ST2"], "ST 1, ST 2"),
+    ],
+)
+def test_times_at_several_stations_are_no_operators_of_one_cell(
+    headers: list[str], stations: str, tmp_path: Path
+) -> None:
+    rows = [["Task", *(f"{name} [s]" for name in headers)], ["a", 8, 9, 7], ["b", None, None, 6]]
+    faults = refused(sheet(tmp_path / "plan.xlsx", rows))
+    (message,) = [message for _, message in faults if "as one cell" in message]
+    assert f"the tasks of {stations}" in message
+    assert "=ignore" in message
+
+
+def test_stations_over_the_operators_are_asked_about_and_can_be_told(tmp_path: Path) -> None:
+    rows = [
+        [None, "Station 1", None, "Station 2"],
+        ["Task", "Human [s]", "Robot [s]", "Human [s]"],
+        ["a", 8, 10, None],
+        ["b", 7, None, 9],
+    ]
+    path = sheet(tmp_path / "plan.xlsx", rows, merged=["B1:C1"])
+    ((place, message),) = refused(path)
+    assert (place, '--human "Station 2 Human"' in message) == ("D2", True)
+    assert len(import_cell(path, humans=["Station 2 Human"])[0].operators) == 3
+    alone, _ = import_cell(path, columns={"D": "ignore"})
+    assert alone.tasks["a"].time == {"Human": 8, "Robot": 10}
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [["Station 1 Human", "Station 1 Robot"], ["Human 1", "Human 2"], ["Stanley 1", "Human 2"]],
+)
+def test_one_station_and_people_by_number_are_one_cell(headers: list[str], tmp_path: Path) -> None:
+    rows = [["Task", *(f"{name} [s]" for name in headers)], ["a", 8, 9]]
+    cell, _ = import_cell(
+        sheet(tmp_path / "plan.xlsx", rows), humans=["Stanley 1"] * ("Stanley 1" in headers)
+    )
+    assert list(cell.operators) == headers
+
+
+# --- rows that are no work ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("Pause", "a break"),
+        ("Break 10 min", "a break"),
+        ("Mittagspause", "a break"),
+        ("Coffee break", "a break"),
+        ("Lunch", "a break"),
+        ("Rüstzeit", "getting ready"),
+        ("Rüsten", "getting ready"),
+        ("Setup (per lot)", "getting ready"),
+        ("Changeover", "getting ready"),
+        ("Summe", "a total or a figure"),
+        ("Verteilzeit 8 %", "a total or a figure"),
+        ("Allowance", "a total or a figure"),
+        ("Taktzeit", "a total or a figure"),
+    ],
+)
+def test_rows_that_are_numbered_on_and_no_work_are_asked_about(
+    name: str, says: str, tmp_path: Path
+) -> None:
+    rows = [TIMES, *WORK, [3, name, 30, None, None]]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", rows))
+    assert place == "A4"
+    assert f"{name!r} reads like {says}" in message
+    assert message.endswith("""write '3' in double quotes: "3".""")
+    rows[-1][0] = '"3"'
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["3"].label == name
+
+
+def test_a_name_like_a_total_with_work_below_it_is_work(tmp_path: Path) -> None:
+    rows = [TIMES, [1, "Summe", 3, 4, None], [2, "b", 11, 13, None]]
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["1"].label == "Summe"
+
+
+@pytest.mark.parametrize("name", ["Aushärten", "Warten / Abkühlen", "Curing (oven)", "Trocknen"])
+def test_waiting_that_is_listed_as_work_is_a_note(name: str, tmp_path: Path) -> None:
+    rows = [TIMES, *WORK, [3, name, 600, None, 2]]
+    _, notes = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    (said,) = [note.said for note in notes if "is busy all the time" in note.message]
+    assert said.sentence("de").startswith(f"{name!r} wird als Arbeit geplant")
+
+
+def test_work_that_is_not_done_each_time_is_a_note(tmp_path: Path) -> None:
+    rows = [TIMES, [1, "a (optional)", 3, 4, None], [2, "Prüfen, jedes 10. Teil", 1, 3, 1]]
+    rows += [[3, "Warenprobe", 1, 2, None], [4, "Wartung", 1, 2, None]]
+    _, notes = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    told = [note.message for note in notes if "in every product" in note.message]
+    assert told == [
+        "planned in every product, whatever their names say of when they are done:"
+        " 'a (optional)', 'Prüfen, jedes 10. Teil'."
+    ]
+    assert not any("busy all the time" in note.message for note in notes)
+
+
+def test_a_break_is_asked_about_wherever_it_stands(tmp_path: Path) -> None:
+    """As a task, the robot could take it while the human works on."""
+    rows = [["Task", "Human [s]", "Robot [s]", "Pred"], ["a", 8, 9, None]]
+    rows += [["Pause", 300, 300, "a"], ["b", 8, 9, "Pause"]]
+    ((place, message),) = refused(sheet(tmp_path / "plan.xlsx", rows))
+    assert (place, "'breaks', such as 300-600" in message) == ("A3", True)
+    rows[2][0] = '"Pause"'
+    cell, _ = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["b"].after == ("Pause",)
+
+
+def test_getting_ready_within_the_sequence_is_a_task_and_a_note(tmp_path: Path) -> None:
+    rows = [TIMES, [1, "Rüsten", 10, 12, None], [2, "b", 11, 13, 1]]
+    cell, notes = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert list(cell.tasks) == ["1", "2"]
+    (said,) = [note.said for note in notes if "every product" in note.message]
+    assert said.sentence("de").startswith("'Rüsten' wird als Vorgang jedes Stücks geplant")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["Break edges", "Set up housing", "Pausentaste prüfen", "Prepare setup", "Rest", "Change tip"],
+)
+def test_work_with_such_a_word_in_its_name_is_work(name: str, tmp_path: Path) -> None:
+    rows = [TIMES, *WORK, [3, name, 30, None, None]]
+    cell, notes = import_cell(sheet(tmp_path / "plan.xlsx", rows))
+    assert cell.tasks["3"].label == name
+    assert not any("every product" in note.message for note in notes)
+
+
 # --- columns that contradict ----------------------------------------------------------------------
 
 

@@ -24,6 +24,12 @@ pieces.
 """
 SIDES = frozenset(("left", "right", "linke", "rechte", "links", "rechts"))
 """Words that are a condition beside "hand" alone: a left robot and a right one are two."""
+STATION = re.compile(
+    r"\b(?P<what>work ?station|station|arbeitsplatz|arbeitsstation|ap|st|stn|ws|linie|line)"
+    r" ?(?:nr |no |# ?)?(?P<which>\d+|(?<=station )[a-z]|(?<=platz )[a-z]|(?<=line )[a-z]"
+    r"|(?<=linie )[a-z])\b"
+)
+"""A station by its number or letter, within the name of an operator."""
 LEAST = re.compile(r"(.+) min")
 MOST = "max|maximum|maximal|avg|average|mean|mittel|mittelwert|typ|typical"
 
@@ -48,7 +54,33 @@ def ask_which_condition(table: Table, known: Collection[str], findings: Findings
         if base and _base(_who(column)) != base:
             other = next(c for c in columns if key(_who(c)) == base)
             _ask(base, [other, column], findings)
+    _ask_which_station(columns, findings)
     _ask_about_the_least(table, findings)
+
+
+def _ask_which_station(columns: Sequence[Column], findings: Findings) -> None:
+    """ "Station 1 Human" and "Station 2 Human" are people of two cells, not two of one."""
+    stations: dict[str, list[Column]] = {}
+    for column in columns:
+        name = key(_who(column))
+        found = STATION.search(name)
+        if found and STATION.sub("", name).strip():
+            what = found["what"].title() if len(found["what"]) > 3 else found["what"].upper()
+            stations.setdefault(f"{what} {found['which'].upper()}", []).append(column)
+    if len(stations) < 2:
+        return
+    several = sorted(
+        (column for own in stations.values() for column in own), key=lambda column: column.index
+    )
+    last = several[-1]
+    kind = kind_of(_who(last)) or "human"
+    findings.fault(
+        f"{listed(repr(column.header) for column in several)}: the tasks of {listed(stations)}"
+        " would be planned together, as one cell. Keep only the columns and the rows of one to plan"
+        f' it alone (--map "{last.header}=ignore" leaves out a column); if it is one cell, say that'
+        f' each is an operator of it, such as --{kind} "{_who(last)}".',
+        last.place,
+    )
 
 
 def _may_be_a_condition(column: Column, named: Collection[str]) -> bool:

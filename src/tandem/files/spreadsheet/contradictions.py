@@ -7,12 +7,12 @@ What merely is not read is a note; what contradicts the plan is asked about, at 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from tandem.cell.names import key
 from tandem.cell.parts import Kind
 from tandem.files.spreadsheet.findings import Findings, listed
-from tandem.files.spreadsheet.grid import Value, blank, shown
+from tandem.files.spreadsheet.grid import Value, blank, shown, tidy
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.precedence import END_TO_START
 from tandem.files.spreadsheet.said import Said, enumerated, say
@@ -76,6 +76,8 @@ def ask_about_contradictions(table: Table, rows: list[int], findings: Findings) 
     """Faults for the columns that contradict what was read of the rows."""
     for column in table.columns:
         what = column.meaning
+        if what is not None and what.what != "ignore" and not what.told:
+            findings.sound(table.grid, table.header_row, column.index)
         if not column.header or (what is not None and (what.what != "ignore" or what.told)):
             continue
         if what is None:
@@ -244,3 +246,33 @@ def _ask_how_many(table: Table, rows: list[int], findings: Findings) -> None:
                 f' Say --map "{column.header}=ignore", or write the unit into the header.',
                 column.place,
             )
+
+
+HOW_MANY = re.compile(
+    r"\d+ ?[x×]? ?(?P<behind>[^\W\d].*)|(?P<before>.+?) ?(?:\(\d+\)|[x×] ?\d+)", re.IGNORECASE
+)
+"""Several of somebody: "2 Werker", "2x Human", "Werker (2)", "Human x 2"; "Werker 2" is a name."""
+
+
+def ask_how_many_people(
+    table: Table, rows: list[int], known: Collection[str], findings: Findings
+) -> None:
+    """ "2 Werker" in a column of operators is no third person beside "Werker".
+
+    Args:
+      known: operators that a sheet of their own or an option names.
+    """
+    named = {tidy(name) for name in known}
+    for column in table.having("operator"):
+        for row, value, _ in _cells(table, column, rows):
+            text = shown(value)
+            found = HOW_MANY.fullmatch(text)
+            words = key(found["behind"] or found["before"]).split() if found else []
+            kinds = [KINDS[word] for word in words if word in KINDS and len(word) > 1]
+            if text not in named and kinds and len(kinds) == len(words):
+                findings.fault(
+                    f"holds {text!r}, which may say how many people the task takes. Give each of"
+                    f" them a name and write 'A + B' for two; --{kinds[0]} {text!r} says that"
+                    " somebody is called so.",
+                    table.grid.place(row, column.index),
+                )

@@ -18,7 +18,7 @@ from tandem.errors import CellError, Fault, UsageError
 from tandem.files.messages import flaws
 from tandem.files.spreadsheet.assessments import read_assessments
 from tandem.files.spreadsheet.conditions import ask_which_condition
-from tandem.files.spreadsheet.contradictions import ask_about_contradictions
+from tandem.files.spreadsheet.contradictions import ask_about_contradictions, ask_how_many_people
 from tandem.files.spreadsheet.findings import Findings, Note, listed
 from tandem.files.spreadsheet.grid import Book, Grid, shown
 from tandem.files.spreadsheet.header import TIMED, Column, Table, amounts_of, find_table
@@ -44,7 +44,9 @@ from tandem.files.spreadsheet.repeats import once_a_column
 from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.said import enumerated, say
 from tandem.files.spreadsheet.scores import AGGREGATES, without_scores
+from tandem.files.spreadsheet.stand_ins import ask_about_stand_ins
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
+from tandem.files.spreadsheet.things import settle_things
 from tandem.files.spreadsheet.values import marks_of
 from tandem.files.spreadsheet.vocabulary import (
     Meaning,
@@ -184,11 +186,16 @@ def read_book(
     raw = with_joint_ways(with_precedence(with_outline(raw), findings), known, findings)
     table = settled(raw, tuple(beside.operators), findings)
     ask_which_condition(table, known, findings)
-    ask_about_contradictions(table, task_rows(table, Findings()), findings)
+    rows = task_rows(table, Findings())
+    ask_about_contradictions(table, rows, findings)
+    ask_how_many_people(table, rows, known, findings)
+    ask_about_stand_ins(table, rows, findings)
     others = _other_sheets(
         book, [table.grid.name, *(able.grid.name for able in abilities)], table, findings
     )
     tasks = read_tasks(table, findings, others, known)
+    things = {"tool": [*beside.tools], "zone": [*beside.zones], "place": [*beside.places]}
+    settle_things(tasks.tasks, things, findings)
     for able in abilities:
         restrict(tasks.tasks, able, findings)
     document = _document(book, table, tasks, beside, kinds, roles, findings)

@@ -87,6 +87,7 @@ class Table:
       title: the first text above the header; "" when there is none.
       unit: the unit of all times, when a line above the header or below the table says so ("all
         times in min").
+      unit_line: that line and its place; "" when there is none.
       doubt: why no unit may be assumed where none is stated; "" when there is no reason.
     """
 
@@ -96,6 +97,7 @@ class Table:
     columns: tuple[Column, ...]
     title: str = ""
     unit: str | None = None
+    unit_line: str = ""
     doubt: str = ""
 
     def having(self, *what: str) -> tuple[Column, ...]:
@@ -304,11 +306,16 @@ def _with_context(grid: Grid, table: Table) -> Table:
         for text in texts
         if re.search(r"[^\W\d]{2}", text) and not any(text in header for header in inside)
     ]
-    unit, doubt = unit_said(grid, table.header_row, table.first_row, bool(table.having("quantity")))
+    unit, line = unit_said(grid, table.header_row, table.first_row, bool(table.having("quantity")))
     columns = tuple(_reconsidered(grid, table, column) for column in table.columns)
-    unit, doubt = (None, table.doubt) if table.doubt else (unit, doubt)
+    unit, line = (None, table.doubt) if table.doubt else (unit, line)
     return replace(
-        table, columns=columns, title=titles[0][:200] if titles else "", unit=unit, doubt=doubt
+        table,
+        columns=columns,
+        title=titles[0][:200] if titles else "",
+        unit=unit,
+        unit_line=line if unit else "",
+        doubt="" if unit else line,
     )
 
 

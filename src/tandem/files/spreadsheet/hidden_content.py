@@ -15,14 +15,18 @@ import re
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import IO
+from typing import IO, Literal
 from xml.etree import ElementTree
 
 from tandem.files.spreadsheet.number_format import BUILT_IN, dress, shown_duration
+from tandem.files.spreadsheet.struck import STRUCK, Run, odd_runs
 
 NO_RESULT = "holds a formula with no stored result: open and save it in Excel or LibreOffice"
-STRUCK = "is struck through, so it may count no more: delete it, or take the line away"
 MOST_REPEATS = 2_000
+RAISED = re.compile(r"super|0*[1-9]")
+"""The position of a text in an ods, by a word or per cent of its height."""
+MOST_PARENTS = 20
+"""Of an ods, styles above one another: as many are looked at, so that a ring of them ends."""
 
 
 @dataclass
@@ -52,8 +56,9 @@ def look(content: bytes) -> tuple[dict[str, Sight], bool]:
         names = set(archive.namelist())
         try:
             if "content.xml" in names:
+                named = _ods_styles(archive.read("styles.xml")) if "styles.xml" in names else {}
                 with archive.open("content.xml") as stream:
-                    return dict(_ods(stream)), True
+                    return dict(_ods(stream, named)), True
             if "xl/workbook.bin" in names:
                 return {}, False
             sights = {}
@@ -216,34 +221,18 @@ def _is_struck(font: ElementTree.Element) -> bool:
 
 
 def _odd_text(text: ElementTree.Element) -> str | None:
-    """Why a text of several runs may not be what it reads in one: "10" struck out before "12", a
-    raised 1 behind 10.
-    """
-    whole = struck = raised = ""
-    for run in text:
-        if _tag(run) != "r":
-            continue
-        said = "".join(part.text or "" for part in run if _tag(part) == "t")
-        fonts = [part for part in run if _tag(part) == "rPr"]
-        whole += said
-        if any(map(_is_struck, fonts)):
-            struck += said
-        elif any(
-            _tag(p) == "vertAlign" and p.attrib.get("val") == "superscript"
-            for font in fonts
-            for p in font
-        ):
-            raised += said
-    if struck.strip():
-        only = struck.strip() == whole.strip()
-        return (
-            STRUCK
-            if only
-            else (f"holds {whole!r}, of which {struck!r} is struck through: leave only what counts")
-        )
-    if raised.strip() and re.fullmatch(r"\s*\d[\d.,]*\s*", whole.removesuffix(raised)):
-        return f"holds {whole!r}, of which {raised!r} is a raised mark: leave only the number"
-    return None
+    return odd_runs(_run(part) for part in text if _tag(part) == "r")
+
+
+def _run(part: ElementTree.Element) -> Run:
+    fonts = [inner for inner in part if _tag(inner) == "rPr"]
+    raised = any(
+        _tag(inner) == "vertAlign" and inner.attrib.get("val") == "superscript"
+        for font in fonts
+        for inner in font
+    )
+    said = "".join(inner.text or "" for inner in part if _tag(inner) == "t")
+    return Run(said, any(map(_is_struck, fonts)), raised)
 
 
 def _xlsx(stream: IO[bytes], formats: Mapping[str, str], marks: Struck) -> Sight:
@@ -318,31 +307,94 @@ def _column(reference: str, otherwise: int) -> int:
 # --- ods ------------------------------------------------------------------------------------------
 
 
-def _ods(stream: IO[bytes]) -> Iterator[tuple[str, Sight]]:
+@dataclass(frozen=True)
+class Style:
+    """What a style of an ods says of its text; None where it leaves that to the style above it."""
+
+    above: str
+    struck: bool | None
+    raised: bool | None
+
+
+Styles = dict[str, Style]
+"""Family and name of a style -> what it says."""
+
+
+def _ods(stream: IO[bytes], named: Styles) -> Iterator[tuple[str, Sight]]:
+    styles = dict(named)
     for _, element in ElementTree.iterparse(stream, events=("end",)):
-        if _tag(element) == "table" and _attribute(element, "name") is not None:
-            yield _attribute(element, "name") or "", _ods_sheet(element)
+        if _tag(element) == "automatic-styles":
+            styles.update(_styles_in(element))
+        elif _tag(element) == "table" and _attribute(element, "name") is not None:
+            yield _attribute(element, "name") or "", _ods_sheet(element, styles)
             element.clear()
 
 
-def _ods_sheet(table: ElementTree.Element) -> Sight:
+def _ods_styles(content: bytes) -> Styles:
+    """The styles that have names of their own, such as "Deleted"."""
+    if b"line-through" not in content and b"text-position" not in content:
+        return {}
+    return dict(_styles_in(ElementTree.fromstring(content)))
+
+
+def _styles_in(root: ElementTree.Element) -> Iterator[tuple[str, Style]]:
+    for element in root.iter():
+        if _tag(element) != "style":
+            continue
+        family, name = _attribute(element, "family") or "", _attribute(element, "name") or ""
+        above = _attribute(element, "parent-style-name")
+        text = next((part for part in element if _tag(part) == "text-properties"), None)
+        line = raised = None
+        if text is not None:
+            # an older program writes the type of the line, a newer one its style
+            kinds = (_attribute(text, f"text-line-through-{what}") for what in ("style", "type"))
+            line = next((kind for kind in kinds if kind), None)
+            raised = _attribute(text, "text-position")
+        yield (
+            f"{family}/{name}",
+            Style(
+                f"{family}/{above}" if above else "",
+                None if line is None else line != "none",
+                None if raised is None else RAISED.match(raised) is not None,
+            ),
+        )
+
+
+def _says(styles: Styles, name: str, what: Literal["struck", "raised"]) -> bool:
+    """The style says so, or the nearest one above it that says anything."""
+    for _ in range(MOST_PARENTS):
+        style = styles.get(name)
+        if style is None:
+            return False
+        said = style.struck if what == "struck" else style.raised
+        if said is not None:
+            return said
+        name = style.above
+    return False
+
+
+def _ods_sheet(table: ElementTree.Element, styles: Styles) -> Sight:
     sight = Sight()
     hidden_rows: set[int] = set()
     hidden_columns: set[int] = set()
+    of_columns: dict[int, str] = {}
     row = column = 0
     for element in table.iter():
         tag = _tag(element)
         if tag == "table-column":
             repeats = int(_attribute(element, "number-columns-repeated") or 1)
+            columns = range(column, column + min(repeats, MOST_REPEATS))
             if _attribute(element, "visibility") in ("collapse", "filter"):
-                hidden_columns.update(range(column, column + min(repeats, MOST_REPEATS)))
+                hidden_columns.update(columns)
+            if plain := _attribute(element, "default-cell-style-name"):
+                of_columns.update(dict.fromkeys(columns, plain))
             column += repeats
         elif tag == "table-row":
             repeats = int(_attribute(element, "number-rows-repeated") or 1)
             if _attribute(element, "visibility") in ("collapse", "filter"):
                 hidden_rows.update(range(row, row + min(repeats, MOST_REPEATS)))
             rows = range(row, row + min(repeats, MOST_REPEATS))
-            for place, why in _ods_row(element):
+            for place, why in (*_ods_struck(element, of_columns, styles), *_ods_row(element)):
                 sight.odd.update({(r, place): why for r in rows})
             for place, words in _ods_words(element):
                 sight.words.update({(r, place): words for r in rows})
@@ -350,6 +402,36 @@ def _ods_sheet(table: ElementTree.Element) -> Sight:
             row += repeats
     sight.hidden_rows, sight.hidden_columns = frozenset(hidden_rows), frozenset(hidden_columns)
     return sight
+
+
+def _ods_struck(
+    row: ElementTree.Element, of_columns: Mapping[int, str], styles: Styles
+) -> Iterator[tuple[int, str]]:
+    """Cells that hold something and are struck through, whole or in part. A cell without a style
+    has that of its row, or of its column.
+    """
+    of_row = _attribute(row, "default-cell-style-name")
+    for column, repeats, cell in _ods_cells(row):
+        texts = [part for part in cell if _tag(part) == "p"]
+        if not any("".join(text.itertext()).strip() for text in texts):
+            continue
+        style = _attribute(cell, "style-name") or of_row or of_columns.get(column, "")
+        if _says(styles, f"table-cell/{style}", "struck"):
+            why: str | None = STRUCK
+        else:
+            why = odd_runs(run for text in texts for run in _ods_runs(text, styles))
+        if why:
+            yield from ((column + i, why) for i in range(min(repeats, MOST_REPEATS)))
+
+
+def _ods_runs(text: ElementTree.Element, styles: Styles) -> Iterator[Run]:
+    """The parts of a paragraph, each in its font."""
+    yield Run(text.text or "")
+    for part in text:
+        name = f"text/{_attribute(part, 'style-name') or ''}"
+        struck, raised = _says(styles, name, "struck"), _says(styles, name, "raised")
+        yield Run("".join(part.itertext()), struck, raised)
+        yield Run(part.tail or "")
 
 
 def _ods_cells(row: ElementTree.Element) -> Iterator[tuple[int, int, ElementTree.Element]]:

@@ -109,6 +109,8 @@ class References:
         }
         if not numbers or (not free and any(self.task(piece) for piece in numbers if piece != "0")):
             return
+        if not free and any(_whole(text) in self._whole for text in texts):
+            return  # one names a task by its number: another is no place, but may be a slip
         numbers.discard("0")
         tails = _unique(
             (str(int(found[1])), name)

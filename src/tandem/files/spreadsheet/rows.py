@@ -123,7 +123,7 @@ def _key_figures(table: Table) -> dict[int, Said]:
     found: dict[int, Said] = {}
     for row in reversed(range(table.first_row, len(table.grid.rows))):
         text = _first_text(table, row)
-        if _is_a_figure(text) and not _is_numbered(table, row):
+        if is_a_figure(text) and not _is_numbered(table, row):
             found[row] = say("why.figure", text=repr(text))
         elif _has_a_time(table, row) and not is_total(text) and not TOTAL_WORDS.search(text):
             break
@@ -134,7 +134,7 @@ def _is_numbered(table: Table, row: int) -> bool:
     return any(is_number(table.grid.value(row, c.index)) for c in table.having("number"))
 
 
-def _is_a_figure(text: str) -> bool:
+def is_a_figure(text: str) -> bool:
     """ "Takt time [s]", "Verteilzeit 10 %", "Available time": in plain words, less what stands in
     brackets, and less numbers; a name in double quotes is none.
     """

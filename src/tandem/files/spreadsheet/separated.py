@@ -13,6 +13,7 @@ from pathlib import Path
 from tandem.errors import CellError, Fault
 from tandem.files.spreadsheet.grid import MOST_ROWS, MOST_TEXT, Book, Grid, flood, letters, trimmed
 from tandem.files.spreadsheet.said import say
+from tandem.files.spreadsheet.struck import struck_by_marks
 
 MOST_COLUMNS, MOST_SIGNS = 16_384, 32_767
 """What a sheet and a cell of Excel hold."""
@@ -57,7 +58,8 @@ def read(path: Path, content: bytes) -> Book:
         encoding=encoding,
         separator=say(f"separator.{named}") if named else repr(separator),
     )
-    return Book(path, (Grid(path.stem, full, lengths=tuple(map(len, rows))),), remarks=(remark,))
+    grid = Grid(path.stem, full, odd=struck_by_marks(full), lengths=tuple(map(len, rows)))
+    return Book(path, (grid,), remarks=(remark,))
 
 
 @dataclass(frozen=True)

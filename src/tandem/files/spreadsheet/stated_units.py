@@ -12,7 +12,7 @@ from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import blank, letters, tidy
 from tandem.files.spreadsheet.header import TIMED, Column, Table
 from tandem.files.spreadsheet.said import say
-from tandem.files.spreadsheet.units import unclear_unit
+from tandem.files.spreadsheet.units import other_work_said, unclear_unit
 from tandem.files.spreadsheet.values import (
     UnreadableError,
     cannot,
@@ -22,7 +22,7 @@ from tandem.files.spreadsheet.values import (
     unit_named,
     written,
 )
-from tandem.files.spreadsheet.vocabulary import PER_PIECE, QUOTES, split_unit
+from tandem.files.spreadsheet.vocabulary import KINDS, PER_PIECE, QUOTES, kind_of, split_unit
 
 UNIT_COLUMN = re.compile(
     r"|\w*einheit(en)?|(time )?units?( of (time|measure))?|uom|me|dim(ension)?"
@@ -49,6 +49,8 @@ def say_units(table: Table, columns: list[Column], rows: list[int], findings: Fi
     timed = [column for column in columns if column.meaning and column.meaning.what in TIMED]
     for column in timed:
         _refuse_an_unclear_unit(column, findings)
+    _refuse_a_line_that_contradicts(table, timed, findings)
+    _refuse_a_line_of_other_work(table, timed, findings)
     _refuse_a_column_of_units(table, columns, timed, rows, findings)
     for column in timed:
         _note_units_of_cells(table, column, rows, findings)
@@ -108,6 +110,55 @@ def _refuse_an_unclear_unit(column: Column, findings: Findings) -> None:
             f'with --map "{letters(column.index)}=... [s]". A name goes outside the brackets.'
         )
         findings.fault(message, column.place)
+
+
+def _refuse_a_line_that_contradicts(table: Table, timed: list[Column], findings: Findings) -> None:
+    """ "all times in min" above headers that say [s]: one of the two is forgotten from before."""
+    contradicted: dict[str, list[Column]] = {}
+    for column in timed:
+        what = column.meaning
+        stated = what.unit if what and what.what == "time" and not what.told else None
+        if stated and table.unit and stated != table.unit and _speaks_of(table.unit_line, column):
+            contradicted.setdefault(stated, []).append(column)
+    for unit, columns in contradicted.items():
+        who = " + ".join(columns[0].meaning.who) if columns[0].meaning else ""
+        told = " ".join(filter(None, (f"{columns[0].letter}=time", who)))
+        findings.fault(
+            f"{listed(repr(column.header) for column in columns)}: [{unit}] stands here, and"
+            f" {table.unit_line} says {table.unit}. Mend the one that is wrong, or say the unit of"
+            f' the column with --map "{told} [{unit}]".',
+            columns[0].place,
+        )
+
+
+def _refuse_a_line_of_other_work(table: Table, timed: list[Column], findings: Findings) -> None:
+    """ "Zeiten je Los" above the table: its times are not those of a task."""
+    line, words = other_work_said(table.grid, table.header_row, table.first_row)
+    columns = [c for c in timed if c.meaning and c.meaning.what == "time" and not c.meaning.told]
+    if line and columns:
+        first = columns[0]
+        who = " + ".join(first.meaning.who) if first.meaning else ""
+        told = " ".join(filter(None, (f"{first.letter}=time", who)))
+        findings.fault(
+            f"{line} speaks of times {words!r}, and a plan needs those of the task as it will be"
+            " done. Write these into the columns and take the line out, or say of each column"
+            f' that it holds them: --map "{told} [s]".',
+            first.place,
+        )
+
+
+def _speaks_of(line: str, column: Column) -> bool:
+    """The line is about all times, or about those of the column's operator, for all that is known:
+    "Robot times in s" says nothing of the human's.
+    """
+    words = key(line).split()
+    named = {
+        kind
+        for name, kind in KINDS.items()
+        if len(name) > 3 and any(word.startswith(name) for word in words)
+    }
+    who = column.meaning.who if column.meaning else ()
+    return not named or not who or any(kind_of(name) in (None, *named) for name in who)
 
 
 def _refuse_a_column_of_units(

@@ -15,6 +15,7 @@ from tandem.files.spreadsheet.grid import Grid, Value, shown
 from tandem.files.spreadsheet.header import LISTS, Column, Table
 from tandem.files.spreadsheet.joint import WhoError, people_in, ways
 from tandem.files.spreadsheet.merged import say_what_is_merged
+from tandem.files.spreadsheet.no_work import ask_what_is_no_work
 from tandem.files.spreadsheet.outline import (
     MOST_LINKS,
     Outline,
@@ -116,6 +117,8 @@ def read_tasks(
         table, {row: entry.name for entry in entries for row in entry.rows}, findings
     )
     _lists(table, entries, name is None, outline, found, findings, beside)
+    named = [Row(entry.name, entry.rows[0], entry.quoted) for entry in work]
+    ask_what_is_no_work(named, found.tasks, findings)
     return found
 
 

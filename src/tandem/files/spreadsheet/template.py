@@ -29,9 +29,12 @@ from tandem.files.spreadsheet.form import (
     Language,
     OperatorColumn,
 )
+from tandem.files.spreadsheet.no_work import reads_like_no_work
 from tandem.files.spreadsheet.outline import LEADING
 from tandem.files.spreadsheet.references import unquoted
 from tandem.files.spreadsheet.rows import is_total
+from tandem.files.spreadsheet.stand_ins import looks_like_a_stand_in
+from tandem.files.spreadsheet.struck import odd_marks
 from tandem.files.spreadsheet.vocabulary import Meaning, meaning, own_tool
 from tandem.files.spreadsheet.waits import waits_text
 from tandem.files.spreadsheet.walking import rows_of
@@ -209,7 +212,12 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
         fields.append(Field(words["part"], lambda name, task: task.part, "", 18))
     for who in cell.operators:
         fields.append(
-            Field(_headed(words["time"], "time", (who,), cell), _entry("time", who), "number", 16)
+            Field(
+                _headed(words["time"], "time", (who,), cell),
+                _beyond_doubt(_entry("time", who)),
+                "number",
+                16,
+            )
         )
     groups = list(
         {
@@ -220,7 +228,12 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
     )[::-1]
     for group in groups:
         fields.append(
-            Field(_headed(words["time"], "time", group, cell), _joint_time(group), "number", 22)
+            Field(
+                _headed(words["time"], "time", group, cell),
+                _beyond_doubt(_joint_time(group)),
+                "number",
+                22,
+            )
         )
     fields += _stress_fields(cell, words, groups, every)
     fields.append(Field(words["after"], lambda name, task: _list(task.after), "text", 20))
@@ -338,6 +351,17 @@ def _entry(key: str, who: str) -> Callable[[str, Task], Any]:
     return lambda name, task: getattr(task, key).get(who)
 
 
+def _beyond_doubt(of: Callable[[str, Task], Any]) -> Callable[[str, Task], Any]:
+    """Times with their unit behind them where the bare number would be taken for "cannot"."""
+
+    def time(name: str, task: Task) -> Any:
+        seconds = of(name, task)
+        bare = "" if seconds is None else f"{seconds:.15g}"
+        return f"{bare} s" if looks_like_a_stand_in(bare) else seconds
+
+    return time
+
+
 def _share(key: str, who: str) -> Callable[[str, Task], Any]:
     """Reads what of a task's number, which may be one for all, is that operator's by name."""
     return lambda name, task: _of(getattr(task, key), who)
@@ -426,14 +450,16 @@ def _spelled(name: str) -> str:
 
 
 def _looks_like_no_task(name: str, task: Task, code: str, above: set[str]) -> bool:
-    """A row that an import would take for a total or for the head of a group of tasks, or a name
-    that is in quotes itself.
+    """A row that an import would take for a total, a break or the head of a group of tasks, or a
+    name that is in quotes itself or looks struck through.
     """
     return (
         is_total(name)
         or is_total(task.label or "")
+        or reads_like_no_work(task.label or name, numbered=bool(task.label)) is not None
         or code.rstrip(".") in above
         or unquoted(name) != name
+        or odd_marks(name) is not None
     )
 
 

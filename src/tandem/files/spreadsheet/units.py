@@ -36,6 +36,17 @@ OF_SOMETHING_ELSE = re.compile(
 )
 
 
+_PIECES = r"(?:stück|stueck|stk|stck|teile?|pieces|pcs|parts|units|produkte|products)"
+_SPEED = r"(?:geschwindigkeit|speed|override|tempo)"
+OF_OTHER_WORK = re.compile(
+    rf"\b(?:je|pro|per|für|fuer|for)\s+(?!1\b)\d+\s*{_PIECES}\b"
+    r"|\b(?:je|pro|per)\s+(?:los|charge|auftrag|batch|lot|order)\b"
+    r"|(?<!\d)(?<!\d )[x×*]\s*10+\b"
+    rf"|(?<!\d)(?!100)\d+\s*%\s*(?:der\s+)?{_SPEED}\b|\b{_SPEED}\s*[:=]?\s*(?!100)\d+\s*%",
+    re.IGNORECASE,
+)
+"""Words in a line about times that make them other than those of a task as it will be done."""
+
 OF_OTHER_KINDS = {
     "d",
     "day",
@@ -87,8 +98,8 @@ def _looks_like_a_unit(text: str) -> bool:
 
 
 def unit_said(grid: Grid, header_row: int, first_row: int, counted: bool) -> tuple[str | None, str]:
-    """The unit of all times and "", or None and why nothing may be assumed: two lines contradict
-    each other, or one names a unit of something.
+    """The unit of all times and the line that states it, or None and why nothing may be assumed:
+    two lines contradict each other, or one names a unit of something; "" where no line does.
 
     Args:
       counted: a column says how many pieces a task has, so that a line must not leave open whether
@@ -108,10 +119,21 @@ def unit_said(grid: Grid, header_row: int, first_row: int, counted: bool) -> tup
             elif row < header_row:
                 named.setdefault(unit, f"{text!r} ({place})")
     if len(stated) == 1:
-        return next(iter(stated)), ""
+        return next(iter(stated.items()))
     if stated or set(named) - {"s"}:
         return None, " and ".join((stated or named).values())
     return None, ""
+
+
+def other_work_said(grid: Grid, header_row: int, first_row: int) -> tuple[str, str]:
+    """The line and its place, and what it says, where one makes the times those of a lot or of half
+    the speed: "Zeiten je Los"; two empty texts where none does.
+    """
+    for row, text in _lines(grid, header_row, first_row):
+        of_times = OF_TIMES.search(text) and not OF_SOMETHING_ELSE.search(text)
+        if of_times and (found := OF_OTHER_WORK.search(text)):
+            return f"{text!r} ({grid.place(row, next(grid.filled(row))[0])})", found[0]
+    return "", ""
 
 
 def _lines(grid: Grid, header_row: int, first_row: int) -> Iterator[tuple[int, str]]:

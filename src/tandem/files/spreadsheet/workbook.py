@@ -13,6 +13,7 @@ from tandem.files.spreadsheet import hidden_content, separated
 from tandem.files.spreadsheet.confined import REMEDY, RefusedError, open_apart
 from tandem.files.spreadsheet.grid import Book, Grid, flood, trimmed
 from tandem.files.spreadsheet.said import say
+from tandem.files.spreadsheet.struck import struck_by_marks
 
 MOST_BYTES = 50_000_000
 MOST_BYTES_UNPACKED = 600_000_000
@@ -174,7 +175,7 @@ def _grid(
         name,
         tuple(map(tuple, full)),
         merged=merged or tuple(sight.merged),
-        odd=sight.odd,
+        odd={**struck_by_marks(full), **sight.odd},
         words=sight.words,
         comments=sight.comments,
         hidden=hidden,
