@@ -524,4 +524,8 @@ def test_the_page_tells_the_numbers_that_are_kept() -> None:
     assert f"the desk {desk['greedy']:g} s and {desk['best of 64']:g} s" in page
     front = kept["fronts"]
     assert f"all points of {front['all points']:g} %" in page
-    assert f"hypervolume {front['hypervolume']:g} %" in page
+    assert f"hypervolume {front['hypervolume']:.1f} %" in page
+    left_out = json.loads(Path("benchmarks/results/graph_ablations.json").read_text())
+    for row in left_out["rows"]:
+        gaps = [f"{row[of]['gap']:g} ± {row[of]['half']:g}" for of in ("greedy", "best of 16")]
+        assert f"| {row['without']} | {' | '.join(gaps)} | {row['cpu_s']:g} s |" in page
