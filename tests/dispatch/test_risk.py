@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -157,6 +158,22 @@ def test_what_there_was_no_time_for_is_said_with_the_remedy(
     told = capsys.readouterr().err
     assert told.startswith("No time was left to tell what the points risk:")
     assert words in told
+
+
+@pytest.mark.parametrize("option", [["--cv", "0.3"], ["--cv", "0.3", "--robust"]])
+def test_without_jax_that_is_said_before_the_search(
+    capsys: pytest.CaptureFixture[str], option: list[str]
+) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "jax", None)
+        assert run(["plan", str(THESIS), *option]) == 1
+    told = capsys.readouterr()
+    assert told.out == ""
+    # nothing was searched: no point was told on the way
+    assert told.err.strip() == (
+        "tandem: telling the risk of a plan needs JAX, which is not installed. Get it with:"
+        " pip install 'tandem[learn]'"
+    )
 
 
 def test_a_spread_that_the_cell_states_is_told_when_time_is_left(

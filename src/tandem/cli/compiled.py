@@ -8,6 +8,7 @@ import contextlib
 import hashlib
 import os
 import platform
+from importlib.util import find_spec
 from pathlib import Path
 
 from tandem.errors import TandemError
@@ -24,12 +25,25 @@ def needs_jax(purpose: str) -> None:
       purpose: what needs it, as the message begins.
     """
     keep_compiled()
+    must_have_jax(purpose)
     try:
         import jax  # noqa: F401
-    except ImportError as error:
-        raise TandemError(
-            f"{purpose} needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'"
-        ) from error
+    except ImportError as error:  # a part of it is missing
+        raise _no_jax(purpose) from error
+
+
+def must_have_jax(purpose: str) -> None:
+    """Raises TandemError as `needs_jax` does, without loading anything: before long work that would
+    be in vain.
+    """
+    if find_spec("jax") is None:
+        raise _no_jax(purpose)
+
+
+def _no_jax(purpose: str) -> TandemError:
+    return TandemError(
+        f"{purpose} needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'"
+    )
 
 
 def keep_compiled() -> None:

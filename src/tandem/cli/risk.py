@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from tandem.cli.compiled import must_have_jax, needs_jax
 from tandem.errors import TandemError, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.plan.result import Front
 
+PURPOSE = "telling the risk of a plan"
 MISSED = {
     "fixed": "No time was left to tell what the points risk:",
     "replanned": "No time was left to plan anew at every event:",
@@ -44,7 +46,8 @@ class AskedRisk:
 
     def check(self, cell: Cell) -> None:
         """Raises UsageError when a risk is asked for and nothing scatters, or when it is asked for
-        and left out at once: before the search, which would be in vain.
+        and left out at once, and TandemError where it cannot be told for want of JAX: before the
+        search, which would be in vain.
         """
         if self.wanted is False and self.is_asked:
             raise UsageError("--no-risk and --cv or --robust exclude each other.")
@@ -52,6 +55,7 @@ class AskedRisk:
             from tandem.dispatch.evaluation.risk import check_scatter
 
             check_scatter(cell, self.cv)
+            must_have_jax(PURPOSE)
 
     def searching(self, time_limit: float) -> float:
         """Seconds of the limit that the search gets: not all of them where a risk is asked for."""
@@ -75,7 +79,6 @@ def told_risk(front: Front, asked: AskedRisk, until: float | None, quiet: bool) 
     """
     if not asked.is_told_of(front.cell):
         return front
-    from tandem.cli.compiled import needs_jax
     from tandem.dispatch.evaluation.risk import has_time, with_risk
 
     missed = partial(_say_missed, asked)
@@ -84,7 +87,7 @@ def told_risk(front: Front, asked: AskedRisk, until: float | None, quiet: bool) 
         missed("fixed")
         return front
     try:
-        needs_jax("telling the risk of a plan")
+        needs_jax(PURPOSE)
         return with_risk(
             front,
             cv=asked.cv,
