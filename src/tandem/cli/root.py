@@ -232,6 +232,9 @@ def tandem() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Runs the command line and ends the process with one of the exit codes of the manual."""
+    # read before NumPy is: its matrices are small here, and threads for them only wait for each
+    # other, which on a busy machine takes several times as long
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # a task name must not stop a terminal that cannot print it
