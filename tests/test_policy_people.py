@@ -77,6 +77,13 @@ def test_the_page_tells_the_numbers_that_are_kept(kept: dict[str, Any]) -> None:
     assert kept["weights"] in page
 
 
+def test_those_who_do_not_ask_the_network_are_taken_from_an_earlier_result(tmp_path: Path) -> None:
+    known = {job.file: {"makespans": [1.0]} for job in policy_people.jobs([7])}
+    taken = policy_people.work_off([7], tmp_path, -1.0, known)
+    who = {job.who for job in policy_people.jobs([7]) if job.file in taken}
+    assert who == {"replan-robust", *policy_people.RULES}
+
+
 def test_no_job_begins_when_the_minutes_are_over(tmp_path: Path) -> None:
-    assert policy_people.work_off([7], tmp_path, -1.0) == {}
+    assert policy_people.work_off([7], tmp_path, -1.0, {}) == {}
     assert list(tables({"sizes": [7], "results": {}}))[2:3] == [""]
