@@ -25,10 +25,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.files.atomic import store
-from tandem.learn.graph.candidates import Making, features
-from tandem.learn.graph.labels import Label, cost, drawn_exchange, layout_of
+from tandem.learn.graph.candidates import Making, sight
+from tandem.learn.graph.labels import Decided, cost, drawn_exchange, layout_of, told
 from tandem.learn.graph.making import Maker
-from tandem.learn.graph.network import Weights, scores
+from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.pool import DECISIONS, SIZES, Seen, batch
 from tandem.learn.graph.training import (
@@ -150,48 +150,43 @@ def schedules_of(
         found.append(_schedule(maker, rng))
     costs = np.array([paid for _, paid in found])
     gains = (costs.mean() - costs) / (costs.std() or 1.0)
-    told = list[Seen]()
+    seen = list[Seen]()
     for (decisions, _), gain in zip(found, gains, strict=True):
         if not decisions:
             continue
-        seen, rows, chances, taken = zip(*decisions, strict=True)
-        sizes = np.array([len(row) for row in rows], np.int32)
-        ends = np.cumsum([0, *sizes])
-        losses = np.zeros((ends[-1], 2), np.float32)
-        losses[ends[:-1] + taken, 0] = gain
-        losses[:, 1] = np.concatenate(chances)
-        label = Label(
-            number, most_tasks, outlook.exchange, sizes, np.concatenate(seen),
-            np.concatenate(rows).astype(np.int32), losses,
-        )  # fmt: skip
+        for one, taken in decisions:
+            one.losses[taken, 0] = gain
+        label = told(number, most_tasks, outlook.exchange, [one for one, _ in decisions])
         # the cell's own arrays are made once
-        told.append(replace(told[0], label=label, at=ends) if told else Seen.of(label, outlook))
-    return told
+        ends = np.cumsum([0, *label.sizes])
+        seen.append(replace(seen[0], label=label, at=ends) if seen else Seen.of(label, outlook))
+    return seen
 
 
-Decision = tuple[np.ndarray, np.ndarray, np.ndarray, int]
-"""What was seen of the choices, their rows, the logarithms of their chances, and which was made."""
-
-
-def _schedule(maker: Maker, rng: np.random.Generator) -> tuple[list[Decision], float]:
-    """The decisions of a schedule that had two choices or more, and what it costs in mean task
-    times. Assumes a cell without limits.
+def _schedule(maker: Maker, rng: np.random.Generator) -> tuple[list[tuple[Decided, int]], float]:
+    """The decisions of a schedule that had two choices or more, with which one was made, and what
+    the schedule costs in mean task times. Their `losses` are `[K, 2]`: 0, and the logarithm of the
+    chance of each choice. Assumes a cell without limits.
     """
-    making, decisions = Making.of(maker.outlook), list[Decision]()
+    making, decisions = Making.of(maker.outlook), list[tuple[Decided, int]]()
     while making.left:
         choices, at = making.choices(), 0
         if len(choices.rows) > 1:
             # rounded as labels are, so that what is learned from is what was decided on
-            seen = features(making, choices).astype(np.float16)
-            logits = scores(
-                np, maker.weights, seen.astype(np.float32), maker.steps.take(choices.rows, 0)
-            )
+            seen = sight(making, choices)
+            seen = seen._replace(features=_rounded(seen.features), about=_rounded(seen.about))
+            logits = maker.judged(making, seen, choices)
             shifted = logits - logits.max()
             at = int((shifted + rng.gumbel(size=len(shifted))).argmax())
             chances = shifted - np.log(np.exp(shifted).sum())
-            decisions.append((seen, choices.rows, chances, at))
+            losses = np.stack([np.zeros(len(chances)), chances], -1)
+            decisions.append((Decided(seen, choices.rows, losses, making.unplaced > 0), at))
         making.put(int(choices.rows[at]), int(choices.starts[at]))
     return decisions, cost(making.state, maker.outlook.exchange) / maker.outlook.scale
+
+
+def _rounded(array: np.ndarray) -> np.ndarray:
+    return array.astype(np.float16).astype(np.float32)
 
 
 @cache

@@ -35,7 +35,10 @@ from pathlib import Path
 from statistics import mean, stdev
 from typing import Any
 
-# one thread: sums in the same order, whatever the machine
+# one thread: sums in the same order, whatever the machine, and no waiting for each other over
+# small arrays
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("MKL_NUM_THREADS", "1")
 os.environ.setdefault(
     "XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 )
@@ -120,13 +123,15 @@ def ablations() -> Iterator[Ablation]:
     steps = SMALL.first_steps + SMALL.steps
     imitated = replace(SMALL, **cells, first_steps=steps, rounds=0)
     yield Ablation("own-states", "its own states (imitation only)", imitated)
-    yield Ablation("losses", "losses (one right choice)", replace(SMALL, sharp=-1.0))
+    yield Ablation("losses", "losses (one right choice)", replace(SMALL, sharp=-1.0, regret=0.0))
+    yield Ablation("regret", "what is lost in the mean", replace(SMALL, regret=0.0))
     own = replace(SMALL, looks=Looks(own=32))
     yield Ablation("search", "search (self-labelling only)", own)
     yield Ablation("ppo", "labels (PPO instead)", BY_PPO)
     for name, values in GROUPS.items():
         blind = replace(SMALL, blind=columns(values))
         yield Ablation(name.replace(" ", "-"), f"features: {name}", blind)
+    yield Ablation("crowd", "features: operators and what is left", replace(SMALL, crowd=False))
 
 
 def tuned() -> Iterator[Layout]:

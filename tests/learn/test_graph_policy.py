@@ -17,9 +17,10 @@ import tandem
 from tandem.cell.model import Cell
 from tandem.files.generators import layered
 from tandem.files.validate import cell_of
-from tandem.learn.graph.candidates import GROUPS, Making, columns, features, sight
+from tandem.learn.graph.candidates import ABOUT, GROUPS, Making, Sight, columns, sight
 from tandem.learn.graph.drawing import Drawing, Known
 from tandem.learn.graph.labels import (
+    Decided,
     Looks,
     cost,
     drawn_exchange,
@@ -27,10 +28,11 @@ from tandem.learn.graph.labels import (
     layout_of,
     read,
     searched,
+    told,
     written,
 )
 from tandem.learn.graph.making import Maker, retold
-from tandem.learn.graph.network import fresh, lasting, nodes, scores
+from tandem.learn.graph.network import ahead, crowd, fresh, lasting, nodes, scores
 from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.training_cells import FIRST_SEED, training_cell
 from tandem.learn.graph.weights import SHIPPED, packed, shipped, unpacked, write_weights
@@ -112,9 +114,10 @@ def test_features_are_bounded_numbers_to_the_end() -> None:
     making = Making.of(outlook(training_cell(2, 25)))
     while making.left:
         choices = making.choices()
-        seen = features(making, choices)
-        assert np.isfinite(seen).all()
-        assert np.abs(seen).max() <= 8
+        seen = sight(making, choices)
+        for array in (seen.features, seen.about):
+            assert np.isfinite(array).all()
+            assert np.abs(array).max() <= 8
         making.put(int(choices.rows[-1]), int(choices.starts[-1]))
 
 
@@ -137,12 +140,44 @@ def test_jax_and_numpy_see_the_same() -> None:
     weights, seen = drawn_weights(1), outlook(training_cell(5, 20))
     making = Making.of(seen)
     choices = making.choices()
-    now, table, found = features(making, choices), seen.steps, []
+    now, table, found = sight(making, choices), seen.steps, []
     for xp in (np, jnp):
         task, operator = nodes(xp, weights, seen.tasks, seen.operators, seen.pairs, seen.before)
         steps = lasting(xp, weights, task[table.task], seen.share @ operator, table.fixed)
-        found.append(np.asarray(scores(xp, weights, now, steps[choices.rows])))
+        of_pairs, own, share = ahead(xp, weights, task, operator, seen.pairs)
+        stand = (own + of_pairs.mean(0))[None]
+        rows = steps[choices.rows] + crowd(xp, weights, stand, now.about, share[None])
+        found.append(np.asarray(scores(xp, weights, now.features, rows)))
     np.testing.assert_allclose(found[0], found[1], atol=1e-4)
+
+
+def test_a_batch_is_judged_as_its_cells_are() -> None:
+    """Padding changes nothing, and what was kept of a decision is all that the network sees."""
+    pytest.importorskip("jax", reason="training needs the extra tandem[learn]")
+    from tandem.learn.graph.pool import DECISIONS, SIZES, Seen, batch
+    from tandem.learn.graph.training import likely
+
+    weights, pool = drawn_weights(2), [list[Seen]() for _ in SIZES]
+    for number in range(12):
+        look = outlook(training_cell(number, 30), 0.3)
+        maker, making, found = Maker.of(weights, look), Making.of(look), list[Decided]()
+        while making.left:
+            choices = making.choices()
+            if len(choices.rows) > 1:
+                rounded = (array.astype(np.float16) for array in sight(making, choices)[:2])
+                seen = Sight(*(array.astype(np.float32) for array in rounded), choices, choices)
+                likes = maker.judged(making, seen, choices)
+                chances = likes - np.log(np.exp(likes).sum())
+                found.append(Decided(seen, choices.rows, chances, making.unplaced > 0))
+            making.put(int(choices.rows[0]), int(choices.starts[0]))
+        one = Seen.of(told(number, 30, 0.3, found), look)
+        pool[one.size].append(one)
+    for seed in range(4):
+        drawn = batch(pool, np.random.default_rng(seed), 3)
+        count = 3 * DECISIONS
+        real = drawn["decision"] < count
+        chances = np.asarray(likely(packed(weights), drawn, count))
+        np.testing.assert_allclose(chances[real], drawn["loss"][real], atol=1e-3)
 
 
 def test_the_shipped_weights_are_small_and_those_of_this_network() -> None:
@@ -482,6 +517,9 @@ def test_what_is_left_out_is_never_seen(tmp_path: Path) -> None:
     seen = [row for row in range(len(weights)) if row not in blind]
     assert not np.abs(weights[list(blind)]).any()
     assert np.abs(weights[seen]).any(1).all()
+    weights = train(replace(config, blind=(), crowd=False), tmp_path / "alone", lambda told: None)
+    assert not weights["operators"]["0"]["weight"][:ABOUT].any()
+    assert not any(part.any() for part in weights["ahead"]["1"].values())
 
 
 def test_each_ablation_leaves_out_one_thing_and_labels_as_many_cells() -> None:
@@ -497,7 +535,7 @@ def test_each_ablation_leaves_out_one_thing_and_labels_as_many_cells() -> None:
         assert config.first + config.first_large + drawn == cells
         assert config.first_steps + config.rounds * config.steps == 1400
         assert config != whole
-    assert len(set(configs.values())) == len(configs) == 6
+    assert len(set(configs.values())) == len(configs) == 8
 
 
 def test_the_page_tells_the_numbers_that_are_kept() -> None:

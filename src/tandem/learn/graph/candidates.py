@@ -31,6 +31,8 @@ MOMENTS = np.array([1.0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0])
 FEW, EXACT = 12, 1e-9
 GROUPS = {"bounds": (5, 6, 7, 8), "what suits whom": (9, 10), "the chain behind": (3, 12)}
 """Some of the values of a choice by what they say of it."""
+ABOUT = 4
+"""What can be seen of each operator once a choice is placed."""
 
 Rows = np.ndarray[Any, np.dtype[np.int64]]
 
@@ -57,7 +59,7 @@ class Making:
       owned: `[O]` mean task times, each operator's own work that is not placed.
       cheap, easy: mean task times of the tasks not placed at the operators' prices, and that their
         least stress is worth.
-      left: how many tasks are not placed.
+      left: how many tasks are not placed; unplaced: `[N]`, 1 for each of them.
     """
 
     outlook: Outlook
@@ -68,6 +70,7 @@ class Making:
     cheap: float
     easy: float
     left: int
+    unplaced: Array
 
     @classmethod
     def of(cls, outlook: Outlook) -> Making:
@@ -75,7 +78,9 @@ class Making:
         state = PartialSchedule(outlook.layout)
         ready = [task for task, count in enumerate(state.waiting) if not count]
         cheap, easy = sum(outlook.cheap), sum(outlook.easiest)
-        return cls(outlook, state, ready, 0, outlook.owned.sum(0), cheap, easy, len(outlook.tasks))
+        count = len(outlook.tasks)
+        owned, unplaced = outlook.owned.sum(0), np.ones(count, np.float32)
+        return cls(outlook, state, ready, 0, owned, cheap, easy, count, unplaced)
 
     def choices(self) -> Choices:
         """What may be placed next; nothing where a limit, a team or a machine's part stands in the
@@ -114,6 +119,7 @@ class Making:
         self.cheap -= outlook.cheap[task]
         self.easy -= outlook.easiest[task]
         self.left -= 1
+        self.unplaced[task] = 0.0
 
 
 def columns(values: Sequence[int]) -> tuple[int, ...]:
@@ -132,16 +138,15 @@ class Sight(NamedTuple):
         the choices.
       makespan, worth: `[K]` what no schedule behind the choice comes below: makespan, and makespan
         plus what stress is worth, from this step on, above that of the easiest steps.
+      about: `[K, O, ABOUT]` of each operator once the choice is placed: when it could begin
+        something else, from now on, also as a share of what is left at least; its own work that is
+        left; 1 where it takes part in the choice.
     """
 
     features: Array
+    about: Array
     makespan: Array
     worth: Array
-
-
-def features(making: Making, choices: Choices) -> Array:
-    """`[K, FEATURES]`, a row for each choice, see `Sight`."""
-    return sight(making, choices).features
 
 
 def sight(making: Making, choices: Choices) -> Sight:
@@ -163,7 +168,8 @@ def sight(making: Making, choices: Choices) -> Sight:
     # bounds of makespan and stress once it is placed: by the price of the work that is left, by
     # each operator's own, by the chains of all tasks that are ready
     load = begin @ outlook.price + base + (making.cheap - making.easy)
-    own = most(begin + making.owned - owned, 1) + extra
+    still = making.owned - owned
+    own = most(begin + still, 1) + extra
     later = np.maximum(np.where(who @ who.T > 0, column, from_start), start) + tail
     later = np.minimum.reduceat(later, first, axis=1)
     later[np.arange(count), group] = critical
@@ -216,7 +222,13 @@ def sight(making: Making, choices: Choices) -> Sight:
     found[-MORE:] = np.array(more)[:, None]
     np.minimum(found, MOST_RATIO, out=found)
     np.maximum(found, -MOST_RATIO, out=found)
-    return Sight(found.T, np.maximum(np.maximum(own, alone) - extra, latest), bound)
+    about = np.empty((count, operators, ABOUT), np.float32)
+    about[..., 0] = begin - now
+    about[..., 1] = about[..., 0] * (5 / horizon)
+    about[..., 2] = still
+    about[..., 3] = who
+    np.minimum(about, MOST_RATIO, out=about)
+    return Sight(found.T, about, np.maximum(np.maximum(own, alone) - extra, latest), bound)
 
 
 least, most, total = np.minimum.reduce, np.maximum.reduce, np.add.reduce

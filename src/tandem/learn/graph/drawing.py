@@ -202,7 +202,7 @@ class Drawing:
             return Decision(choices, none, none, 0.0, none, none, none)
         outlook = self.maker.outlook
         seen = sight(making, choices)
-        likes = self.maker.judged(seen.features, choices).astype(float)
+        likes = self.maker.judged(making, seen, choices).astype(float)
         chance = np.exp((likes - likes.max()) / self.heat)
         chance /= chance.sum()
         return Decision(

@@ -7,15 +7,16 @@ policy itself comes to.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.graph.candidates import Choices, Making, features
+from tandem.learn.graph.candidates import ABOUT, Choices, Making, Sight, sight
 from tandem.learn.graph.making import Maker, retold
 from tandem.learn.graph.near_optimum import FINE, NearSearch
 from tandem.learn.graph.network import Weights
@@ -57,8 +58,8 @@ class Looks:
         to be right, and all that it does without to lose `UNKNOWN`.
     """
 
-    exact: int = 8
-    told: int = 8
+    exact: int = 14
+    told: int = 12
     known: int = 300
     each: int = 25
     own: int = 0
@@ -75,7 +76,8 @@ class Label:
       number, most_tasks: of the cell, see `training_cell`. exchange: ticks that a unit of stress is
         worth.
       sizes: `[D]`, how many choices each decision has; their sum is `M`.
-      seen: `[M, FEATURES]` float16. rows: `[M]`, steps. losses: `[M]` in mean task times.
+      seen: `[M, FEATURES]`, about: `[M, O, ABOUT]`, float16, see `Sight`. rows: `[M]`, steps.
+        losses: `[M]` in mean task times. unplaced: `[D, N]`, whether a task is not placed.
     """
 
     number: int
@@ -85,6 +87,8 @@ class Label:
     seen: np.ndarray[Any, Any]
     rows: np.ndarray[Any, Any]
     losses: np.ndarray[Any, Any]
+    about: np.ndarray[Any, Any]
+    unplaced: np.ndarray[Any, Any]
 
     def outlook(self) -> Outlook:
         """The cell as the network sees it."""
@@ -92,8 +96,22 @@ class Label:
 
 
 Losses = np.ndarray[Any, Any]
-Decided = tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]
-"""What was seen of the choices of a decision, their rows, and what they lose."""
+
+
+class Decided(NamedTuple):
+    """What was seen of the choices of a decision, their rows, what they lose, and which tasks were
+    not placed.
+    """
+
+    seen: Sight
+    rows: np.ndarray[Any, Any]
+    losses: Losses
+    unplaced: np.ndarray[Any, Any]
+
+    @classmethod
+    def of(cls, making: Making, choices: Choices, losses: Losses) -> Decided:
+        """The decision that is made next."""
+        return cls(sight(making, choices), choices.rows, losses, making.unplaced > 0)
 
 
 def layout_of(cell: Cell) -> Layout:
@@ -128,17 +146,22 @@ def label(
         found = list(visited(outlook, maker, looks, number, rng))
     if not found:
         return None
-    seen, rows, losses = zip(*found, strict=True)
-    told = Label(
+    return told(number, most_tasks, exchange, found), outlook
+
+
+def told(number: int, most_tasks: int, exchange: float, found: Sequence[Decided]) -> Label:
+    """Decisions in the training cell of this number as a label."""
+    return Label(
         number,
         most_tasks,
         exchange,
-        np.array([len(row) for row in rows], np.int32),
-        np.concatenate(seen).astype(np.float16),
-        np.concatenate(rows).astype(np.int32),
-        np.concatenate(losses).astype(np.float32),
+        np.array([len(one.rows) for one in found], np.int32),
+        np.concatenate([one.seen.features for one in found]).astype(np.float16),
+        np.concatenate([one.rows for one in found]).astype(np.int32),
+        np.concatenate([one.losses for one in found]).astype(np.float32),
+        np.concatenate([one.seen.about for one in found]).astype(np.float16),
+        np.array([one.unplaced for one in found]),
     )
-    return told, outlook
 
 
 def visited(
@@ -153,8 +176,8 @@ def visited(
         choices, losses = making.choices(), None
         if len(choices.rows) > 1 and rng.random() < share:
             losses = _losses(making, choices, near, exact, looks)
-            told = np.minimum(losses / outlook.scale, MOST_LOSS)
-            yield features(making, choices), choices.rows, told
+            told_apart = np.minimum(losses / outlook.scale, MOST_LOSS)
+            yield Decided.of(making, choices, told_apart)
         at = _taken(making, choices, losses, near, maker, rng)
         making.put(int(choices.rows[at]), int(choices.starts[at]))
 
@@ -208,7 +231,7 @@ def shown(outlook: Outlook, starts: Starts) -> Iterator[Decided]:
             continue
         losses = np.full(len(choices.rows), UNKNOWN)
         losses[which] = 0.0
-        yield features(making, choices), choices.rows, losses
+        yield Decided.of(making, choices, losses)
 
 
 def searched(layout: Layout, exchange: float, passed: int, seed: int) -> Starts:
@@ -235,27 +258,37 @@ def written(labels: Sequence[Label]) -> Arrays:
     """The labels as a few arrays, one behind the other."""
     whole = ("sizes", "seen", "rows", "losses")
     found: Arrays = {name: np.concatenate([getattr(one, name) for one in labels]) for name in whole}
-    for field in fields(Label):
-        if field.name not in whole:
-            found[field.name] = np.array([getattr(one, field.name) for one in labels])
+    for name in ("about", "unplaced"):
+        found[name] = np.concatenate([getattr(one, name).ravel() for one in labels])
+    for name in ("number", "most_tasks", "exchange"):
+        found[name] = np.array([getattr(one, name) for one in labels])
     found["decisions"] = np.array([len(one.sizes) for one in labels])
+    found["tasks"] = np.array([one.unplaced.shape[1] for one in labels])
+    found["operators"] = np.array([one.about.shape[1] for one in labels])
     return found
 
 
 def read(arrays: Arrays) -> list[Label]:
     """The inverse of `written`."""
-    found, decision, choice = list[Label](), 0, 0
-    for at, count in enumerate(arrays["decisions"]):
+    found, decision, choice, about, unplaced = list[Label](), 0, 0, 0, 0
+    for at, count in enumerate(arrays["decisions"].tolist()):
         sizes = arrays["sizes"][decision : decision + count]
-        end = choice + int(sizes.sum())
+        span = slice(choice, choice + int(sizes.sum()))
+        shape = (span.stop - choice, int(arrays["operators"][at]), ABOUT)
+        table = (count, int(arrays["tasks"][at]))
         found.append(
             Label(
                 int(arrays["number"][at]),
                 int(arrays["most_tasks"][at]),
                 float(arrays["exchange"][at]),
                 sizes,
-                *(arrays[name][choice:end] for name in ("seen", "rows", "losses")),
+                arrays["seen"][span],
+                arrays["rows"][span],
+                arrays["losses"][span],
+                arrays["about"][about : about + math.prod(shape)].reshape(shape),
+                arrays["unplaced"][unplaced : unplaced + math.prod(table)].reshape(table),
             )
         )
-        decision, choice = decision + int(count), end
+        about, unplaced = about + math.prod(shape), unplaced + math.prod(table)
+        decision, choice = decision + count, span.stop
     return found

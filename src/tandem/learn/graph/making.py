@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tandem.learn.graph.candidates import Choices, Making, features
-from tandem.learn.graph.network import Weights, lasting, nodes, scores
+from tandem.learn.graph.candidates import Choices, Making, Sight, sight
+from tandem.learn.graph.network import Weights, ahead, crowd, lasting, nodes, scores
 from tandem.learn.graph.outlook import Array, Outlook
 from tandem.plan.list_scheduling import PartialSchedule
 
-MOST_TEMPERATURE, WARMTH = 0.6, 9.0
+MOST_TEMPERATURE, WARMTH = 0.45, 6.75
 """What logits are divided by before a choice is drawn: the warmth shared out over the tasks, so
 that a long schedule leaves the best choices as often as a short one. Tuned on cells of 10 to 50
 tasks with seeds from 500,000 on, which are neither trained nor tested on.
@@ -31,11 +31,15 @@ class Maker:
     Attributes:
       steps: `[S, HIDDEN]`: what each step's task and operators, as the network found them, add to
         the first layer of each decision. Worked out once a cell.
+      ahead: `[N, O * CROWD]`, operators: `[O * CROWD]`, share: `[1, O]`, see `network.ahead`.
     """
 
     weights: Weights
     outlook: Outlook
     steps: Array
+    ahead: Array
+    operators: Array
+    share: Array
 
     @classmethod
     def of(cls, weights: Weights, outlook: Outlook) -> Maker:
@@ -45,15 +49,21 @@ class Maker:
         )
         table = outlook.steps
         found = lasting(np, weights, task[table.task], outlook.share @ operator, table.fixed)
-        return cls(weights, outlook, found)
+        of_pairs, own, share = ahead(np, weights, task, operator, outlook.pairs)
+        flat = of_pairs.reshape(len(task), -1)
+        return cls(weights, outlook, found, flat, own.ravel(), share[None])
 
     def likes(self, making: Making, choices: Choices) -> Array:
         """`[K]` logits of the choices."""
-        return self.judged(features(making, choices), choices)
+        return self.judged(making, sight(making, choices), choices)
 
-    def judged(self, seen: Array, choices: Choices) -> Array:
-        """`[K]` logits of the choices, of which so much is `seen`: `[K, FEATURES]`."""
-        found: Array = scores(np, self.weights, seen, self.steps.take(choices.rows, 0))
+    def judged(self, making: Making, seen: Sight, choices: Choices) -> Array:
+        """`[K]` logits of the choices, of which so much is seen."""
+        own = self.operators + making.unplaced @ self.ahead / making.left
+        own = own.reshape(1, self.share.shape[1], -1)
+        steps = self.steps.take(choices.rows, 0)
+        steps += crowd(np, self.weights, own, seen.about, self.share)
+        found: Array = scores(np, self.weights, seen.features, steps)
         return found
 
     def build(

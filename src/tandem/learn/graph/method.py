@@ -29,7 +29,7 @@ from tandem.plan.rules import SPECS, SWEEP, Attempts, attempts, best_of, drawn_t
 NAME = "learned"
 SAMPLES = 64
 """Schedules in all, unless another number is asked for."""
-WARMER = 2.5
+WARMER = 3.3
 """What temperature is multiplied by for a front: points between two weights are met by chance.
 Tuned on cells of ten tasks with seeds from 500,000 on.
 """

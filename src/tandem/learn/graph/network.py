@@ -4,7 +4,8 @@ an array namespace: trained under JAX, and the same lines decide in NumPy.
 Tasks and operators tell each other what they are in `ROUNDS` rounds of messages, means over those
 who have to do with each other, so that the order in which they stand changes nothing (permutation
 equivariant). This is done once a cell. Each decision then takes one small perceptron over its
-choices: what can be seen of a choice now, and what its task and its operators were found to be.
+choices: what can be seen of a choice now, what its task and its operators were found to be, and how
+all operators would stand then, with what is left to them.
 """
 
 from __future__ import annotations
@@ -13,14 +14,14 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from tandem.learn.graph.candidates import FEATURES
+from tandem.learn.graph.candidates import ABOUT, FEATURES
 from tandem.learn.graph.outlook import FIXED, OPERATOR, PAIR, TASK
 from tandem.learn.networks import forward, init
 
 Array = Any
 Weights = dict[str, Any]
 
-WIDTH, HIDDEN, ROUNDS = 24, 128, 2
+WIDTH, HIDDEN, ROUNDS, CROWD = 32, 160, 2, 32
 
 
 def fresh(draw: Callable[[tuple[int, ...]], Array]) -> Weights:
@@ -30,9 +31,11 @@ def fresh(draw: Callable[[tuple[int, ...]], Array]) -> Weights:
         "operator": init(draw, (OPERATOR, WIDTH)),
         "step": init(draw, (2 * WIDTH + FIXED, HIDDEN)),
         "choice": init(draw, (FEATURES, HIDDEN, HIDDEN, 1), last=0.1),
+        "ahead": init(draw, (2 * WIDTH + PAIR, 2 * WIDTH, CROWD)),
+        "operators": init(draw, (ABOUT + WIDTH, CROWD, HIDDEN)),
     }
     # the first layer's bias is that of the step
-    del found["choice"]["0"]["bias"]
+    del found["choice"]["0"]["bias"], found["operators"]["1"]["bias"]
     for turn in range(ROUNDS):
         found[f"to operators {turn}"] = init(draw, (2 * WIDTH + PAIR, 2 * WIDTH, WIDTH))
         found[f"to tasks {turn}"] = init(draw, (4 * WIDTH + PAIR, 2 * WIDTH, WIDTH))
@@ -65,7 +68,7 @@ def nodes(
 def _of_pairs(
     xp: ModuleType, network: Weights, task: Array, operator: Array, pairs: Array
 ) -> Array:
-    """`[N, O, WIDTH]`: a perceptron over task, operator and pair; in its first layer the tasks' and
+    """`[N, O, ...]`: a perceptron over task, operator and pair; in its first layer the tasks' and
     the operators' shares are worked out before they meet.
     """
     first, second = network["0"], network["1"]
@@ -83,6 +86,36 @@ def lasting(xp: ModuleType, weights: Weights, task: Array, group: Array, fixed: 
       fixed: `[..., FIXED]`, what can be seen of the step itself.
     """
     return forward(xp, weights["step"], xp.concatenate([task, group, fixed], -1), "relu")
+
+
+def ahead(
+    xp: ModuleType, weights: Weights, task: Array, operator: Array, pairs: Array
+) -> tuple[Array, Array, Array]:
+    """What of the operators never changes.
+
+    Returns:
+      `[N, O, CROWD]`, what each task is to each operator as long as it is not placed; `[O, CROWD]`,
+      what each operator is by itself; `[O]`, by what share each counts: those who can do nothing
+      are padding.
+    """
+    found = _of_pairs(xp, weights["ahead"], task, operator, pairs) * pairs[..., 2:3]
+    first = weights["operators"]["0"]
+    able = pairs[..., 2].max(0)
+    return found, operator @ first["weight"][ABOUT:] + first["bias"][None], able / able.sum()
+
+
+def crowd(xp: ModuleType, weights: Weights, own: Array, about: Array, share: Array) -> Array:
+    """`[K, HIDDEN]`: what the operators add to the first layer, as they stand once a choice is
+    placed.
+
+    Args:
+      own: `[K or 1, O, CROWD]`, what each operator is by itself, and the mean of what the tasks not
+        placed are to it.
+      about: `[K, O, ABOUT]`. share: `[K or 1, O]`.
+    """
+    first, second = (weights["operators"][str(at)]["weight"] for at in range(2))
+    flow = xp.maximum(about @ first[:ABOUT] + own, 0)
+    return (share[:, None] @ flow)[:, 0] @ second
 
 
 def scores(xp: ModuleType, weights: Weights, seen: Array, lasting: Array) -> Array:

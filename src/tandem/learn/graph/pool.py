@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tandem.learn.graph.candidates import FEATURES
+from tandem.learn.graph.candidates import ABOUT, FEATURES
 from tandem.learn.graph.labels import Arrays, Label, Looks, label
 from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
@@ -83,18 +83,22 @@ def batch(pool: Sequence[Sequence[Seen]], rng: np.random.Generator, cells: int) 
 
     Returns:
       of the cells `tasks`, `operators`, `pairs`, `before`, `step task`, `step share`, `step fixed`,
-      padded; of the choices `seen` `[R, FEATURES]`, `cell`, `row`, `decision` `[R]`, and `loss`
-      `[R, ...]`, what the labels say of each; rows of padding belong to the decision behind the
-      last.
+      padded, and `unplaced` `[cells, DECISIONS, N]`; of the choices `seen` `[R, FEATURES]`,
+      `about` `[R, O, ABOUT]`, `cell`, `turn`, `row`, `decision` `[R]`, and `loss` `[R, ...]`, what
+      the labels say of each; rows of padding belong to the decision behind the last.
     """
     counts = np.array([len(one) for one in pool])
     size = int(rng.choice(len(pool), p=counts / counts.sum()))
     mine = pool[size]
     drawn = [mine[at] for at in rng.integers(len(mine), size=cells)]
     rows = cells * DECISIONS * CHOICES[size]
+    tasks, operators, _ = SIZES[size]
     found: Arrays = {
         "seen": np.zeros((rows, FEATURES), np.float32),
+        "about": np.zeros((rows, operators, ABOUT), np.float32),
+        "unplaced": np.zeros((cells, DECISIONS, tasks), np.float32),
         "cell": np.zeros(rows, np.int32),
+        "turn": np.zeros(rows, np.int32),
         "row": np.zeros(rows, np.int32),
         "loss": np.zeros((rows, *drawn[0].label.losses.shape[1:]), np.float32),
         "decision": np.full(rows, cells * DECISIONS, np.int32),
@@ -112,7 +116,12 @@ def batch(pool: Sequence[Sequence[Seen]], rng: np.random.Generator, cells: int) 
             found["seen"][begin:end] = one.label.seen[span]
             found["row"][begin:end] = one.label.rows[span]
             found["loss"][begin:end] = one.label.losses[span]
+            about = one.label.about[span]
+            found["about"][begin:end, : about.shape[1]] = about
+            unplaced = one.label.unplaced[at]
+            found["unplaced"][place, turn, : len(unplaced)] = unplaced
             found["cell"][begin:end] = place
+            found["turn"][begin:end] = turn
             found["decision"][begin:end] = count
             begin, count = end, count + 1
     for name in drawn[0].cell:

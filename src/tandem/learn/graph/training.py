@@ -1,7 +1,9 @@
 """Training the policy for any cell by imitation: first of decisions on nearly optimal ways, then,
 round by round, of what is exactly or nearly best in the states that the policy itself comes to
 (Ross, Gordon and Bagnell 2011, "A Reduction of Imitation Learning and Structured
-Prediction to No-Regret Online Learning"). The targets are all choices, each by how much it loses.
+Prediction to No-Regret Online Learning"). The targets are all choices, each by how much it loses;
+what the policy loses in the mean counts too (Sun et al. 2017, "Deeply AggreVaTeD: Differentiable
+Imitation Learning for Sequential Prediction").
 
 A run is kept in a folder after each round and goes on there, to the bit: every cell and every draw
 follows from a number.
@@ -26,8 +28,9 @@ import optax
 
 from tandem.errors import UsageError
 from tandem.files.atomic import store
+from tandem.learn.graph.candidates import ABOUT
 from tandem.learn.graph.labels import Label, Looks, read, written
-from tandem.learn.graph.network import Weights, fresh, lasting, nodes, scores
+from tandem.learn.graph.network import Weights, ahead, crowd, fresh, lasting, nodes, scores
 from tandem.learn.graph.pool import DECISIONS, SIZES, Seen, batch, labelled
 from tandem.learn.graph.weights import packed, unpacked
 
@@ -48,26 +51,32 @@ class Config:
       looks: how well labels are looked up.
       sharp: mean task times; a choice that loses so much counts 1/e of one that loses nothing. A
         negative number lets one of the best alone be right.
+      regret: what a mean task time that the policy loses, drawn as it is, counts beside the
+        cross-entropy in nats.
       batch: cells a step; `rate` of Adam, half of it from the first round on; it falls to a
         fiftieth each time.
       blind: numbers of features of a choice that the network does not see.
+      crowd: whether it sees how the operators stand once a choice is placed, and what is left to
+        them.
     """
 
     seed: int = 0
-    first: int = 2000
+    first: int = 3000
     first_large: int = 1500
     small: int = 14
     most_tasks: int = 60
     first_steps: int = 1500
     rounds: int = 1
-    drawn: int = 2500
-    drawn_large: int = 2000
-    steps: int = 5000
+    drawn: int = 13000
+    drawn_large: int = 4500
+    steps: int = 15000
     looks: Looks = field(default_factory=Looks)
     sharp: float = 0.04
+    regret: float = 5.0
     batch: int = 24
     rate: float = 4e-3
     blind: tuple[int, ...] = ()
+    crowd: bool = True
 
 
 @dataclass(frozen=True)
@@ -130,6 +139,9 @@ class _Run:
         weights = untrained(config.seed)
         # a weight that starts at 0 under an input of 0 stays there
         weights["choice/0/weight"][list(config.blind)] = 0.0
+        if not config.crowd:
+            weights["operators/0/weight"][:ABOUT] = 0.0
+            weights["ahead/1/weight"][:] = 0.0
         run = cls(config, folder, workers, weights, adam().init(weights), _empty())
         known = unpacked(run.weights) if config.looks.own else None
         run.add(known, 0, config.first, config.first_large)
@@ -181,12 +193,14 @@ class _Run:
         """So many steps of the optimiser over the labels in hand."""
         config, losses = self.config, []
         rng = np.random.default_rng((config.seed, self.round))
-        step = _step(config.batch, config.sharp)
+        step = _step(config.batch, config.sharp, config.regret)
         rate = config.rate / (2 if self.round else 1)
         falls = optax.cosine_decay_schedule(rate, max(steps, 1), alpha=0.02)
         for at in range(steps):
             drawn = batch(self.pool, rng, config.batch)
             drawn["seen"][:, list(config.blind)] = 0.0
+            if not config.crowd:
+                drawn["about"][:] = drawn["unplaced"][:] = 0.0
             self.weights, self.adam, loss = step(self.weights, self.adam, drawn, falls(at))
             losses.append(float(loss))
         self.loss = float(np.mean(losses[-200:]))
@@ -261,8 +275,8 @@ def adam() -> optax.GradientTransformation:
 
 
 @cache
-def _step(cells: int, sharp: float) -> Any:
-    return stepping(partial(_loss, count=cells * DECISIONS, sharp=sharp))
+def _step(cells: int, sharp: float, regret: float) -> Any:
+    return stepping(partial(_loss, count=cells * DECISIONS, sharp=sharp, regret=regret))
 
 
 def stepping(loss_of: Callable[[Leaves, Leaves], Any]) -> Any:
@@ -281,10 +295,15 @@ def stepping(loss_of: Callable[[Leaves, Leaves], Any]) -> Any:
     return step
 
 
-def _loss(leaves: Leaves, drawn: Leaves, count: int, sharp: float) -> Any:
-    """Cross-entropy of the choices with what they should be drawn with, per decision."""
+def _loss(leaves: Leaves, drawn: Leaves, count: int, sharp: float, regret: float) -> Any:
+    """Cross-entropy of the choices with what they should be drawn with, and what is lost by those
+    that are drawn, in the mean: a policy too small to tell all choices apart learns that of two
+    that it confuses the one that may cost more is to be left; per decision.
+    """
     targets = wanted(drawn["loss"], drawn["decision"], count, sharp)
-    return -per_decision(targets * likely(leaves, drawn, count), drawn["decision"], count)
+    chances = likely(leaves, drawn, count)
+    lost = regret * drawn["loss"] * jnp.exp(chances)
+    return per_decision(lost - targets * chances, drawn["decision"], count)
 
 
 def likely(leaves: Leaves, drawn: Leaves, count: int) -> Any:
@@ -299,14 +318,19 @@ def likely(leaves: Leaves, drawn: Leaves, count: int) -> Any:
         task, operator = nodes(
             jnp, weights, cell["tasks"], cell["operators"], cell["pairs"], cell["before"]
         )
-        return task, cell["step share"] @ operator
+        of_pairs, own, share = ahead(jnp, weights, task, operator, cell["pairs"])
+        count = jnp.maximum(cell["unplaced"].sum(-1), 1)[:, None, None]
+        own = own[None] + jnp.einsum("dn,noc->doc", cell["unplaced"], of_pairs) / count
+        return task, cell["step share"] @ operator, own, share
 
-    names = ("tasks", "operators", "pairs", "before", "step share")
-    task, group = jax.vmap(of_cell)({name: drawn[name] for name in names})
+    names = ("tasks", "operators", "pairs", "before", "step share", "unplaced")
+    task, group, stand, share = jax.vmap(of_cell)({name: drawn[name] for name in names})
     # of the steps only those that are choices here
     at = drawn["cell"], drawn["row"]
     own = task[drawn["cell"], drawn["step task"][at]]
     steps = lasting(jnp, weights, own, group[at], drawn["step fixed"][at])
+    stand = stand[drawn["cell"], drawn["turn"]]
+    steps += crowd(jnp, weights, stand, drawn["about"], share[drawn["cell"]])
     logits = scores(jnp, weights, drawn["seen"], steps)
     return _log_softmax(logits, drawn["decision"], count)
 

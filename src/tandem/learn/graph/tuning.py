@@ -10,17 +10,16 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-import optax
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, NothingFoundError
-from tandem.learn.graph.candidates import FEATURES, features
+from tandem.learn.graph.candidates import ABOUT, FEATURES
+from tandem.learn.graph.labels import Decided
 from tandem.learn.graph.making import Maker, retold
-from tandem.learn.graph.network import Weights, lasting, nodes, scores
+from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
+from tandem.learn.graph.training import adam, likely, per_decision, stepping
 from tandem.learn.graph.weights import packed, shipped, unpacked
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule
@@ -129,7 +128,7 @@ def begun(problems: Sequence[Problem]) -> Learner:
     zero = np.zeros((), np.int32)
     return Learner(
         leaves,
-        _adam().init(leaves),
+        adam().init(leaves),
         zero,
         zero,
         np.zeros(shape, np.int32),
@@ -168,9 +167,9 @@ def one_round(
         for at, problem in enumerate(problems)
         if np.isfinite(cost[at])
     ]
-    leaves, adam, losses = learner.weights, learner.adam, list[float]()
+    leaves, state, losses = learner.weights, learner.adam, list[float]()
     for number in range(steps if told else 0):
-        leaves, adam, loss = _step()(leaves, adam, told[number % len(told)], np.float32(rate))
+        leaves, state, loss = _step()(leaves, state, told[number % len(told)], np.float32(rate))
         losses.append(float(loss))
     loss = float(np.mean(losses)) if losses else 0.0
     above = np.array(greedy) / np.maximum(cost, 1e-9) - 1
@@ -179,7 +178,7 @@ def one_round(
     )
     drawn = np.int32(learner.drawn + samples * len(problems))
     rounds = np.int32(learner.rounds + 1)
-    return Learner(leaves, adam, rounds, drawn, way, start, cost), report
+    return Learner(leaves, state, rounds, drawn, way, start, cost), report
 
 
 def _drawn(
@@ -197,72 +196,54 @@ def _drawn(
 
 
 def shown(outlook: Outlook, starts: Starts) -> Leaves:
-    """The decisions that lead to a schedule, and the cell they stand in: arrays for `_loss`."""
-    seen, rows, decision, right = [], list[int](), list[int](), list[float]()
-    count = 0
-    for making, choices, which in retold(outlook, starts[: len(outlook.tasks)]):
+    """The decisions that lead to a schedule, and the cell they stand in: arrays for `likely`, a
+    batch of one cell; `right` `[R]` says what share of each decision is right.
+    """
+    steps, tasks = outlook.steps, len(outlook.tasks)
+    decisions = list[Decided]()
+    for making, choices, which in retold(outlook, starts[:tasks]):
         if len(choices.rows) > 1:
-            seen.append(features(making, choices))
-            rows += choices.rows.tolist()
-            decision += [count] * len(choices.rows)
-            share = np.zeros(len(choices.rows))
+            share = np.zeros(len(choices.rows), np.float32)
             share[which] = 1 / len(which)
-            right += share.tolist()
-            count += 1
-    room = -(-max(len(rows), 1) // ROOM) * ROOM
-    steps = outlook.steps
+            decisions.append(Decided.of(making, choices, share))
+    sizes = [len(one.rows) for one in decisions]
+    count = sum(sizes)
+    room = -(-max(count, 1) // ROOM) * ROOM
+    turns = np.repeat(np.arange(len(sizes), dtype=np.int32), sizes)
     found: Leaves = {
-        "tasks": outlook.tasks,
-        "operators": outlook.operators,
-        "pairs": outlook.pairs,
-        "before": outlook.before,
-        "step task": steps.task.astype(np.int32),
-        "step share": outlook.share.astype(np.float32),
-        "step fixed": steps.fixed,
+        "tasks": outlook.tasks[None],
+        "operators": outlook.operators[None],
+        "pairs": outlook.pairs[None],
+        "before": outlook.before[None],
+        "step task": steps.task.astype(np.int32)[None],
+        "step share": outlook.share.astype(np.float32)[None],
+        "step fixed": steps.fixed[None],
+        "unplaced": np.zeros((1, tasks, tasks), np.float32),
+        "cell": np.zeros(room, np.int32),
+        "turn": np.zeros(room, np.int32),
         "row": np.zeros(room, np.int32),
-        # padding is one decision more, in which nothing is right
-        "decision": np.full(room, room - 1, np.int32),
+        # padding is of a decision behind the last, in which nothing is right
+        "decision": np.full(room, tasks, np.int32),
         "right": np.zeros(room, np.float32),
+        "seen": np.zeros((room, FEATURES), np.float32),
+        "about": np.zeros((room, len(outlook.operators), ABOUT), np.float32),
     }
-    found["seen"] = np.zeros((room, FEATURES), np.float32)
-    found["seen"][: len(rows)] = np.concatenate(seen) if seen else 0
-    found["row"][: len(rows)] = rows
-    found["decision"][: len(rows)] = decision
-    found["right"][: len(rows)] = right
+    if decisions:
+        found["unplaced"][0, : len(decisions)] = [one.unplaced for one in decisions]
+        found["turn"][:count] = found["decision"][:count] = turns
+        found["row"][:count] = np.concatenate([one.rows for one in decisions])
+        found["right"][:count] = np.concatenate([one.losses for one in decisions])
+        found["seen"][:count] = np.concatenate([one.seen.features for one in decisions])
+        found["about"][:count] = np.concatenate([one.seen.about for one in decisions])
     return found
 
 
 def _loss(leaves: Leaves, told: Leaves) -> Any:
     """Cross-entropy of the choices with the right ones, per decision."""
-    weights: Weights = unpacked(leaves)
-    task, operator = nodes(
-        jnp, weights, told["tasks"], told["operators"], told["pairs"], told["before"]
-    )
-    group = told["step share"] @ operator
-    steps = lasting(jnp, weights, task[told["step task"]], group, told["step fixed"])
-    logits = scores(jnp, weights, told["seen"], steps[told["row"]])
-    decision, count = told["decision"], len(told["decision"])
-    most = jax.ops.segment_max(logits, decision, count, indices_are_sorted=True)
-    shifted = logits - jax.lax.stop_gradient(most)[decision]
-    sums = jax.ops.segment_sum(jnp.exp(shifted), decision, count, indices_are_sorted=True)
-    likely = shifted - jnp.log(sums)[decision]
-    decisions = jnp.maximum(told["right"].sum(), 1.0)
-    return -jnp.sum(told["right"] * likely) / decisions
-
-
-def _adam() -> optax.GradientTransformation:
-    return optax.chain(optax.clip_by_global_norm(1.0), optax.scale_by_adam())
+    count = told["unplaced"].shape[1]
+    return -per_decision(told["right"] * likely(leaves, told, count), told["decision"], count)
 
 
 @cache
 def _step() -> Any:
-    adam = _adam()
-
-    @jax.jit
-    def step(leaves: Leaves, state: Any, told: Leaves, rate: Any) -> Any:
-        loss, gradient = jax.value_and_grad(_loss)(leaves, told)
-        change, state = adam.update(gradient, state, leaves)
-        moved = {name: part - rate * change[name] for name, part in leaves.items()}
-        return moved, state, loss
-
-    return step
+    return stepping(_loss)
