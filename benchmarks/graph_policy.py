@@ -12,17 +12,18 @@ takes.
 
 `cells` are `layered` ones, seeds 0, 1, ... (the trainer draws from another range); makespan alone
 counts. The yardstick is the proven optimum, or the bound where `--work` (CP-SAT's deterministic
-seconds) proves none; gaps are the mean in per cent with a 95 % bootstrap interval. `greedy
-or a rule` is the better of the greedy schedule and of what the rules find that draw nothing, which
+seconds) proves none; gaps are the mean in per cent with a 95 % bootstrap interval. `greedy or a
+rule` is the better of the greedy schedule and of what the rules find that draw nothing, which
 a plan has by then. `best-of-n` is the rule of that name, at as many schedules, and `exact` the
 planner with one worker for as many seconds as these schedules of the network took. Milliseconds are
 processor time, of one thread. `--rich` gives the cells joint ways, tools and a zone.
 
-`public` are flexible job shops made by others, evenly spread over each set; gaps are to the best
-makespan known, beside what was published. `boards` are the chessboards of Yu (2020), seeds 0, 1,
-..., against their proven optima with waiting, and the desk in seconds. `fronts` moves the weight of
-stress alone: how many exact points of a cell's front are reached, and how much of its area; and the
-same of the thesis's cell. `--finer` asks at 27 weights instead of 14.
+`public` are flexible job shops made by others (or `--sets hrc_case_studies`, assembly by people and
+robots), evenly spread over each set; gaps are to the best makespan known, beside what was
+published. `boards` are the chessboards of Yu (2020), seeds 0, 1, ..., against their proven optima
+with waiting, and the desk in seconds. `fronts` moves the weight of stress alone: how many exact
+points of a cell's front are reached, and how much of its area; and the same of the thesis's cell.
+`--finer` asks at 27 weights instead of 14.
 
 What is measured goes under a key of its own into `-o FILE`; the others there stay.
 """
@@ -68,6 +69,7 @@ from tandem.plan.rules import SPECS, attempts
 
 QUICKEST = Question(minimize="makespan")
 SETS = ("fjsp_sd1_10x5", "fjsp_sd1_20x5", "fjsp_sd2_10x5", "fjsp_sd2_20x5", "fjsp_brandimarte")
+PUBLISHED = "published_results.csv"
 THESIS = Path("examples/thesis.yaml")
 
 
@@ -193,14 +195,14 @@ def yardstick(cell: Cell, work: float) -> tuple[float, bool]:
 
 
 def public(asked: argparse.Namespace) -> dict[str, Any]:
-    """Public flexible job shops against the best makespans known."""
+    """Public instances, flexible job shops first of all, against the best makespans known."""
     document: dict[str, Any] = {"samples": asked.samples, "rows": []}
     for name in asked.sets:
         folder = asked.data / name
         with (folder / "best_known.csv").open() as file:
             known = {row["instance"]: float(row["upper_bound"]) for row in csv.DictReader(file)}
         files = sorted(path for path in folder.iterdir() if path.stem in known and path.suffix in (
-            ".fjs", ".txt"))  # fmt: skip
+            ".fjs", ".txt", ".json"))  # fmt: skip
         step = max(1, len(files) // asked.cells)
         files = files[::step][: asked.cells]
         rows = []
@@ -209,14 +211,15 @@ def public(asked: argparse.Namespace) -> dict[str, Any]:
             best = known[path.stem] * layout.instance.per_second
             rows.append(measured(layout, asked.samples, best))
         line = told({"set": name}, rows)
-        line["published"] = published(folder, known, {path.stem for path in files})
+        if (folder / PUBLISHED).exists():
+            line["published"] = published(folder, known, {path.stem for path in files})
         document["rows"].append(line)
     return document
 
 
 def published(folder: Path, known: dict[str, float], names: set[str]) -> dict[str, float]:
     """Mean gaps in per cent of what others published of the same instances, by their best model."""
-    with (folder / "published_results.csv").open() as file:
+    with (folder / PUBLISHED).open() as file:
         rows = [row for row in csv.DictReader(file) if row["instance"] in names]
     gaps: dict[tuple[str, str], dict[str, list[float]]] = {}
     for row in rows:

@@ -549,6 +549,7 @@ def test_the_page_tells_the_numbers_that_are_kept() -> None:
         "rich": "{tasks} tasks, joint ways, tools, a zone",
         "large": "{tasks} tasks, best of 16",
         "public": "{set}",
+        "case studies": "{set}",
         "boards": "{set}",
     }
     for key, name in names.items():
