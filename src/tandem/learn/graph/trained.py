@@ -62,5 +62,6 @@ def weights_of(path: str | Path | None) -> Weights:
             " Tune that to your cell with: tandem train CELL --recipe graph"
         )
     if said := misfits(arrays, packed(shipped())):
-        raise unreadable(path, [f"is no network for all cells of this version: it {said}"])
+        what = f"is no network for all cells of this version: it {said}"
+        raise unreadable(path, [f"{what} Tune anew with: tandem train CELL --recipe graph"])
     return unpacked(arrays)
