@@ -96,12 +96,12 @@ def _measured(cell: Cell, asked: argparse.Namespace) -> dict[str, Any]:
                 fronts["tandem again", seconds] = found
         for name in ("cp-sat", "pyjobshop"):
             fronts[name, seconds] = _walk(PEERS[name], cell, instance, seconds, asked)
-    best = _unbeaten([point for points in fronts.values() for point in points])
+    best = unbeaten([point for points in fronts.values() for point in points])
     corner = max(m for m, _ in best) + 1, max(s for _, s in best) + 1
     whole = dominated_area(best, *corner)
     gaps: dict[str, dict[str, float]] = {}
     for (name, seconds), points in fronts.items():
-        lacking = 1 - dominated_area(_unbeaten(points), *corner) / whole
+        lacking = 1 - dominated_area(unbeaten(points), *corner) / whole
         gaps.setdefault(name, {})[f"{seconds:g}"] = round(lacking, 5)
     return {
         "points": len(best),
@@ -149,7 +149,8 @@ def _value(cell: Cell, instance: Instance, schedule: Schedule) -> tuple[int, int
     return int(ticks), int(exact(stress(cell, schedule)) * instance.per_stress)
 
 
-def _unbeaten(points: Points) -> Points:
+def unbeaten(points: Points) -> Points:
+    """Those that none of the others beats, the quickest first."""
     kept: Points = []
     for makespan_, stress_ in sorted(set(points)):
         if not kept or stress_ < kept[-1][1]:

@@ -45,6 +45,7 @@ HELP: dict[str, Callable[[Any], str]] = {
     "tandem.learn.training.algorithms.DECIDERS": lambda home: first_line(resolved(home)),
     "tandem.learn.training.recipes.RECIPES": lambda recipe: recipe.what,
     "tandem.plan.methods.METHODS": lambda entry: entry.what,
+    "tandem.plan.opening.OPENINGS": first_line,
     "tandem.plan.rules.SPECS": lambda rule: rule.what,
     "tandem.report.files.EXPORTERS": lambda exporter: exporter.what,
     "tandem.studio.jobs.JOBS": lambda job: first_line(job.do),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from hashlib import sha256
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -568,3 +570,16 @@ def test_the_page_tells_the_numbers_that_are_kept() -> None:
     for row in left_out["rows"]:
         gaps = [f"{row[of]['gap']:g} ± {row[of]['half']:g}" for of in ("greedy", "best of 16")]
         assert f"| {row['without']} | {' | '.join(gaps)} | {row['cpu_s']:g} s |" in page
+
+
+@pytest.mark.parametrize(
+    "of",
+    ["first_incumbent", "first_incumbent_clock", "first_incumbent_crews", "first_incumbent_fronts"],
+)
+def test_the_page_tells_what_the_exact_planner_gains(of: str) -> None:
+    from benchmarks.first_incumbent import tables
+
+    kept = json.loads(Path(f"benchmarks/results/{of}.json").read_text())
+    weights = files("tandem.learn.graph").joinpath(SHIPPED).read_bytes()
+    assert kept["weights"] == sha256(weights).hexdigest()[:12]
+    assert "\n".join(tables(kept)) in Path("docs/one-policy.md").read_text()

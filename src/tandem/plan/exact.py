@@ -28,6 +28,7 @@ from tandem.plan.goal import Effort, Goal, GoalStatus, Meter
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Hint, Progress, schedules_in
+from tandem.plan.opening import opened
 from tandem.plan.portfolio import Portfolio
 from tandem.plan.provers import Prover, Step
 from tandem.plan.question import Question
@@ -148,6 +149,8 @@ class _Search:
                 if self.archive.found and self._is_late():
                     return
                 self._by_rule(name, random, prices)
+            for starts in opened(self.layout, self.question, self.until, self.meter):
+                self._offer(self.door.admit(starts))
         few = islice(
             attempts(
                 self.layout,

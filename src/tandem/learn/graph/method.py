@@ -19,12 +19,14 @@ from tandem.learn.graph.making import Maker, temperature_of
 from tandem.learn.graph.network import Weights
 from tandem.learn.graph.outlook import Outlook
 from tandem.learn.graph.trained import weights_of
+from tandem.learn.graph.weights import shipped
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule
 from tandem.plan.method import Hint, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Front
 from tandem.plan.rules import SPECS, SWEEP, Attempts, attempts, best_of, drawn_together, exchange_of
+from tandem.plan.starts import Starts
 
 NAME = "learned"
 SAMPLES = 64
@@ -88,6 +90,21 @@ def learned(
     return replace(front, confidence=confidence(layout, chances)) if _can_take(layout) else front
 
 
+def opening(layout: Layout, question: Question, is_late: Callable[[], bool]) -> Iterator[Starts]:
+    """Greedy schedules by the shipped weights, for the exact planner to begin from: one, or for a
+    front one at each weight of stress, so that the first few are far from each other. None for one
+    schedule whose limits leave the weight open.
+    """
+    asked = weights_of_stress(layout, question)
+    if not _can_take(layout) or (len(asked) > 1 and question.minimize != "front"):
+        return
+    # the first, then the middle one, then those between, and so on
+    order = sorted(range(len(asked)), key=lambda at: at & -at or len(asked), reverse=True)
+    for state in by_weights(layout, shipped(), [asked[at] for at in order], 1, 0, is_late):
+        if (whole := drawn_together(layout, state)) is not None:
+            yield tuple(whole.starts())
+
+
 def _can_take(layout: Layout) -> bool:
     """Stress that is listed by sets of tasks says nothing of a single one: only rules can take
     it.
@@ -127,7 +144,8 @@ def by_weights(
 def weights_of_stress(layout: Layout, question: Question) -> Sequence[float]:
     """What a unit of stress is worth in ticks, of each policy that is asked."""
     instance, most = layout.instance, SWEEP[-2]
-    if question.minimize == "makespan" and question.max_stress is None:
+    is_given = all(step.stress == row[0].stress for row in layout.steps for step in row)
+    if is_given or (question.minimize == "makespan" and question.max_stress is None):
         return (0.0,)
     if question.minimize == "weighted" and question.max_stress is None:
         time, stress = question.weights
