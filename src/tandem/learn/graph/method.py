@@ -31,7 +31,7 @@ from tandem.plan.starts import Starts
 NAME = "learned"
 SAMPLES = 64
 """Schedules in all, unless another number is asked for."""
-WARMER = 3.3
+WARMER = 4.5
 """What temperature is multiplied by for a front: points between two weights are met by chance.
 Tuned on cells of ten tasks with seeds from 500,000 on.
 """
