@@ -38,14 +38,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from front_quality import Points, unbeaten
+from front_quality import Points, lacking
 from tandem.cell.model import Cell
 from tandem.files.atomic import store
 from tandem.files.generators import layered
 from tandem.learn.graph import method
 from tandem.learn.graph.weights import SHIPPED
 from tandem.plan import opening
-from tandem.plan.archive import dominated_area
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.methods import plan
@@ -104,17 +103,6 @@ def row_of(tasks: int, operators: int, seed: int, asked: argparse.Namespace) -> 
                 for one in found
             ]
     return row | ({"lacking": lacking(fronts)} if asked.front else {})
-
-
-def lacking(fronts: dict[str, Points]) -> dict[str, float]:
-    """The share of the area of all of them together that each lacks."""
-    best = unbeaten([point for points in fronts.values() for point in points])
-    corner = max(m for m, _ in best) + 1, max(s for _, s in best) + 1
-    whole = dominated_area(best, *corner)
-    return {
-        name: round(1 - dominated_area(unbeaten(points), *corner) / whole, 5)
-        for name, points in fronts.items()
-    }
 
 
 def tables(document: dict[str, Any]) -> Iterator[str]:

@@ -25,7 +25,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from peers import PEERS, Run
 from tandem.cell.model import Cell
@@ -46,6 +46,7 @@ CELLS = (
 QUESTION = 0.1
 """The share of the limit that a peer gives one question at most."""
 
+K = TypeVar("K")
 Points = list[tuple[int, int]]
 """Makespan in ticks and stress in units, as `dominated_area` wants them."""
 
@@ -97,12 +98,9 @@ def _measured(cell: Cell, asked: argparse.Namespace) -> dict[str, Any]:
         for name in ("cp-sat", "pyjobshop"):
             fronts[name, seconds] = _walk(PEERS[name], cell, instance, seconds, asked)
     best = unbeaten([point for points in fronts.values() for point in points])
-    corner = max(m for m, _ in best) + 1, max(s for _, s in best) + 1
-    whole = dominated_area(best, *corner)
     gaps: dict[str, dict[str, float]] = {}
-    for (name, seconds), points in fronts.items():
-        lacking = 1 - dominated_area(unbeaten(points), *corner) / whole
-        gaps.setdefault(name, {})[f"{seconds:g}"] = round(lacking, 5)
+    for (name, seconds), share in lacking(fronts).items():
+        gaps.setdefault(name, {})[f"{seconds:g}"] = share
     return {
         "points": len(best),
         "gap": gaps,
@@ -156,6 +154,19 @@ def unbeaten(points: Points) -> Points:
         if not kept or stress_ < kept[-1][1]:
             kept.append((makespan_, stress_))
     return kept
+
+
+def lacking(fronts: dict[K, Points]) -> dict[K, float]:
+    """The share that each front lacks of the area of the best one, which all of them give
+    together.
+    """
+    best = unbeaten([point for points in fronts.values() for point in points])
+    corner = max(m for m, _ in best) + 1, max(s for _, s in best) + 1
+    whole = dominated_area(best, *corner)
+    return {
+        key: round(1 - dominated_area(unbeaten(points), *corner) / whole, 5)
+        for key, points in fronts.items()
+    }
 
 
 def _tell(row: dict[str, Any]) -> None:

@@ -29,6 +29,7 @@ from tandem.plan.opening import (
 )
 from tandem.plan.question import Question
 from tandem.plan.starts import Starts, measures
+from tandem.schedule.checker import faults
 
 QUICKEST, FRONT = Question("makespan"), Question()
 LARGE = layered(OF_ONE.start, 2, 2, seed=3)
@@ -104,20 +105,20 @@ def test_a_weight_of_stress_is_its_weight_and_open_limits_are_left_to_the_rules(
 def test_the_exact_planner_begins_no_worse_than_the_policy(monkeypatch: pytest.MonkeyPatch) -> None:
     ((ticks, _),) = values(QUICKEST)
     makespan = LAYOUT.instance.seconds(ticks)
-    assert soonest(QUICKEST, lambda found: found <= makespan) == makespan
+    assert soonest(lambda found: found <= makespan) == makespan
     # by the rules alone it begins from something else
     monkeypatch.setattr(opening, "OF_ONE", range(0))
-    assert soonest(QUICKEST, lambda _: True) > makespan
+    assert soonest(lambda _: True) > makespan
 
 
-def soonest(question: Question, stops: Callable[[float], bool]) -> float:
+def soonest(stops: Callable[[float], bool]) -> float:
     """The least makespan when it stops for the first time."""
 
     def hear(progress: Progress) -> None:
         if stops(progress.found[0].makespan):
             raise KeyboardInterrupt
 
-    return solve(LARGE, question, work=0.2, on_solution=hear)[0].makespan
+    return solve(LARGE, QUICKEST, work=0.2, on_solution=hear)[0].makespan
 
 
 def test_a_front_begins_from_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,6 +130,16 @@ def test_a_front_begins_from_all_of_them(monkeypatch: pytest.MonkeyPatch) -> Non
         assert any(m <= makespan and s <= stress for m, s in found)
     monkeypatch.setattr(opening, "OF_FRONT", range(0))
     assert len(solve(LARGE, FRONT, work=1.0)) < len(front)
+
+
+def test_what_the_checker_refuses_is_no_beginning(monkeypatch: pytest.MonkeyPatch) -> None:
+    def all_at_once(*_: object) -> Iterator[Starts]:
+        yield ((0, 0),) * len(LARGE.tasks)
+
+    monkeypatch.setattr(opening, "OPENINGS", {"mine": all_at_once})
+    # it would be the quickest by far
+    (found,) = solve(LARGE, QUICKEST, work=0.2)
+    assert faults(LARGE, found.schedule) == []
 
 
 def test_a_package_that_cannot_be_loaded_keeps_nobody_from_planning(
